@@ -1,0 +1,218 @@
+"""Bicubic Bezier patches over the holes of a deployed sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from analysis import polygons
+from analysis.bernstein import difference_matrix, tensor_rows
+from kirisurf.loops import Loops
+from kirisurf.tessellation import Tessellation
+
+SMOOTHING = 1e-3
+"""Weight of the third differences of the control net against the vertices (both squared)."""
+
+FEWEST = 9
+"""Vertices that a patch needs."""
+
+LARGEST_CONDITION = 200.0
+"""Condition number, of the six quadratic monomials at a hole's vertices, above which curvature is not determined."""
+
+
+@dataclass(frozen=True, eq=False)
+class BezierPatch:
+    """g bicubic Bezier patches.
+
+    The control net b_ij belongs to the monomials of u (row i) and v (column j) on [0, 1]^2::
+
+        v
+        1   b03 --- b13 --- b23 --- b33
+        |    |       |       |       |
+            b02 --- b12 --- b22 --- b32
+        |    |       |       |       |
+            b01 --- b11 --- b21 --- b31
+        |    |       |       |       |
+        0   b00 --- b10 --- b20 --- b30
+             0 ------------------- 1   u
+
+    S(u, v) = sum_ij B_i(u) B_j(v) b_ij with the cubic Bernstein polynomials B_i.
+
+    Attributes
+    ----------
+    nets : (g, 4, 4, 3), units
+    """
+
+    nets: Float[np.ndarray, "g 4 4 3"]
+
+    def __len__(self) -> int:
+        return len(self.nets)
+
+    def evaluate(self, u: Float[np.ndarray, "g q"], v: Float[np.ndarray, "g q"]) -> Float[np.ndarray, "g q 3"]:
+        """Return the points of every patch at its own q parameters, units."""
+        return self.derivative(u, v, 0, 0)
+
+    def derivative(
+        self, u: Float[np.ndarray, "g q"], v: Float[np.ndarray, "g q"], order_u: int, order_v: int
+    ) -> Float[np.ndarray, "g q 3"]:
+        """Return d^(i+j) S / du^i dv^j of every patch at its own q parameters, orders up to 3."""
+        return tensor_rows(u, v, order_u, order_v) @ self.nets.reshape(len(self.nets), 16, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class HolePatches:
+    """The patches of all holes with the holes' places in them.
+
+    Attributes
+    ----------
+    patches : BezierPatch
+    corners : Loops
+        Holes with their own numbering: loop h lists rows of `parameters`.
+    parameters : (s, 2)
+        (u, v) of every hole corner.
+    centres : (g, 2)
+        (u, v) of the mean of the hole's corners.
+    ill_conditioned : (g,) bool
+        The vertices do not determine the curvature: too few, nearly on a conic, or a tile stands across.
+    residuals : (g,), units
+        Largest distance of a surrounding vertex to its point of the patch.
+    """
+
+    patches: BezierPatch
+    corners: Loops
+    parameters: Float[np.ndarray, "s 2"]
+    centres: Float[np.ndarray, "g 2"]
+    ill_conditioned: Bool[np.ndarray, " g"]
+    residuals: Float[np.ndarray, " g"]
+
+
+def fit_patches(
+    points: Float[np.ndarray, "n d"], parameters: Float[np.ndarray, "n 2"], loops: Loops, smoothing: float = SMOOTHING
+) -> Float[np.ndarray, "g 4 4 d"]:
+    """Return the control nets of least-squares patches.
+
+    Minimizes, for every loop of points x_k at (u_k, v_k),
+
+        sum_k |S(u_k, v_k) - x_k|^2 + w sum |third differences of the net, pure and mixed|^2,
+
+    so that a surface that is quadratic in (u, v) is returned as it is, and the cubic part is as small as
+    the points allow.
+
+    Parameters
+    ----------
+    points : (n, d), units
+    parameters : (n, 2)
+        In [0, 1]^2.
+    loops : Loops
+        Numbers of the points of every patch.
+    smoothing : float
+        w.
+    """
+    penalty = np.sqrt(smoothing) * _third_differences()
+    nets = np.zeros((len(loops), 16, points.shape[1]))
+    for which, indices in loops.by_size().values():
+        rows = tensor_rows(parameters[indices, 0], parameters[indices, 1])
+        system = np.concatenate([rows, np.broadcast_to(penalty, (len(which), *penalty.shape))], axis=1)
+        # the pseudo-inverse also answers where points coincide; such holes are flagged elsewhere
+        nets[which] = np.linalg.pinv(system)[:, :, : indices.shape[1]] @ points[indices]
+    return nets.reshape(len(loops), 4, 4, points.shape[1])
+
+
+def hole_patches(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) -> HolePatches:
+    """Return the patch of every closed hole, through the vertices of the tiles round it.
+
+    Parameters are the positions in the vertices' best plane, scaled to [0, 1]^2 alike in both directions;
+    normals of the patch are on the tiles' front side. The axes in the plane follow from the positions alone
+    (the direction of sum z^4 with z = x + iy), so that the patch does not depend on any numbering.
+    """
+    around = surrounding_vertices(tessellation)
+    g = len(around)
+    owners = around.owners
+    counts = np.maximum(around.sizes, 1)
+    local = points[around.indices]
+    centre = np.stack([np.bincount(owners, local[:, i], g) for i in range(3)], axis=1) / counts[:, None]
+    local = local - centre[owners]
+
+    fronts = polygons.area_vectors(points, tessellation.tiles)
+    ring = tessellation.hole_tiles
+    front = np.stack([np.bincount(ring.owners, fronts[ring.indices, i], g) for i in range(3)], axis=1)
+    covariance = np.zeros((g, 3, 3))
+    np.add.at(covariance, owners, local[:, :, None] * local[:, None, :])
+    normal = np.linalg.eigh(covariance)[1][:, :, 0]
+    normal *= np.where(np.einsum("gi,gi->g", normal, front) < 0, -1.0, 1.0)[:, None]
+    # a tile that stands across the plane, or faces backwards, leaves no graph over the plane
+    steepest = np.ones(g)
+    tile_normal = polygons.unit(fronts)[ring.indices]
+    np.minimum.at(steepest, ring.owners, np.einsum("ri,ri->r", tile_normal, normal[ring.owners]))
+
+    first, second = polygons.frames(normal)
+    z = np.einsum("si,si->s", local, first[owners]) + 1j * np.einsum("si,si->s", local, second[owners])
+    fourth = np.bincount(owners, (z**4).real, g) + 1j * np.bincount(owners, (z**4).imag, g)
+    turn = np.exp(-0.25j * np.angle(fourth))
+    z = z * turn[owners]
+    size = np.zeros(g)
+    np.maximum.at(size, owners, np.maximum(np.abs(z.real), np.abs(z.imag)))
+    size = np.where(size > 0, size, 1.0)
+    parameters = 0.5 + np.stack([z.real, z.imag], axis=1) / (2 * size[owners, None])
+
+    rows = Loops(around.offsets, np.arange(len(owners)))
+    nets = fit_patches(local, parameters, rows)
+    residual = np.zeros(g)
+    for which, indices in rows.by_size().values():
+        uv = parameters[indices]
+        fitted = tensor_rows(uv[..., 0], uv[..., 1]) @ nets[which].reshape(-1, 16, 3)
+        residual[which] = np.linalg.norm(fitted - local[indices], axis=2).max(axis=1)
+
+    place = _positions(around, tessellation.holes, len(points))
+    holes = tessellation.holes
+    corners = parameters[place]
+    middle = np.stack([np.bincount(holes.owners, corners[:, i], g) for i in range(2)], axis=1)
+    return HolePatches(
+        patches=BezierPatch(nets + centre[:, None, None]),
+        corners=Loops(holes.offsets, np.arange(len(place))),
+        parameters=corners,
+        centres=middle / np.maximum(holes.sizes, 1)[:, None],
+        ill_conditioned=(around.sizes < FEWEST) | (conditions(parameters, rows) > LARGEST_CONDITION) | (steepest < 0.2),
+        residuals=residual,
+    )
+
+
+def surrounding_vertices(tessellation: Tessellation) -> Loops:
+    """Return the vertices of the tiles round every hole, each once (12 round a quad hole)."""
+    tiles, ring = tessellation.tiles, tessellation.hole_tiles
+    sizes = tiles.sizes[ring.indices]
+    hole = np.repeat(ring.owners, sizes)
+    local = np.arange(len(hole)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    vertex = tiles.indices[np.repeat(tiles.offsets[ring.indices], sizes) + local]
+    key = np.unique(hole * tessellation.n_vertices + vertex)
+    hole, vertex = np.divmod(key, max(tessellation.n_vertices, 1))
+    counts = np.bincount(hole, minlength=len(ring))
+    return Loops(np.r_[0, np.cumsum(counts)].astype(np.int64), vertex.astype(np.int64))
+
+
+def conditions(parameters: Float[np.ndarray, "s 2"], loops: Loops) -> Float[np.ndarray, " g"]:
+    """Return the condition number of the six quadratic monomials at the points of every loop."""
+    result = np.full(len(loops), np.inf)
+    for size, (which, indices) in loops.by_size().items():
+        if size >= 6:
+            x, y = 2 * parameters[indices, 0] - 1, 2 * parameters[indices, 1] - 1
+            monomials = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
+            values = np.linalg.svd(monomials, compute_uv=False)
+            result[which] = values[:, 0] / np.maximum(values[:, -1], 1e-300)
+    return result
+
+
+def _third_differences() -> np.ndarray:
+    """All third differences of a 4x4 net, pure and mixed, weighted as in |third derivative|^2."""
+    rows = []
+    for order in range(4):
+        weight = np.sqrt((1.0, 3.0, 3.0, 1.0)[order])
+        rows.append(weight * np.kron(difference_matrix(4, order), difference_matrix(4, 3 - order)))
+    return np.concatenate(rows)
+
+
+def _positions(around: Loops, holes: Loops, n: int) -> np.ndarray:
+    """Where the vertices of every hole stand in the sorted list of its surrounding vertices."""
+    return np.searchsorted(around.owners * n + around.indices, holes.owners * n + holes.indices)

@@ -1,0 +1,97 @@
+"""kirisurf: kirigami sheets that open into a target surface.
+
+>>> import kirisurf
+>>> design = kirisurf.fit("hypar", cells=(2, 2))
+>>> design.certificate.passed
+True
+
+Names are loaded when they are first used (PEP 562), so that the import is quick and a command line that only
+prints help needs no NumPy.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import types
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kirisurf.design import Design as Design
+    from kirisurf.design import fit as fit
+    from kirisurf.errors import KirisurfError as KirisurfError
+    from kirisurf.errors import LimitError as LimitError
+    from kirisurf.errors import OutputError as OutputError
+    from kirisurf.errors import ParameterError as ParameterError
+    from kirisurf.errors import UnreadableError as UnreadableError
+    from kirisurf.errors import UnusableError as UnusableError
+    from kirisurf.exporting import export as export
+    from kirisurf.judging import audit as audit
+    from kirisurf.runs import Run as Run
+    from kirisurf.runs import read_run as read_run
+    from kirisurf.spec import FitSpec as FitSpec
+    from kirisurf.status import Status as Status
+    from kirisurf.surface import Surface as Surface
+    from kirisurf.targets import load as load
+    from kirisurf.targets import samples as samples
+
+_HOMES = {
+    "audit": "kirisurf.judging",
+    "Design": "kirisurf.design",
+    "KirisurfError": "kirisurf.errors",
+    "LimitError": "kirisurf.errors",
+    "OutputError": "kirisurf.errors",
+    "ParameterError": "kirisurf.errors",
+    "UnreadableError": "kirisurf.errors",
+    "UnusableError": "kirisurf.errors",
+    "export": "kirisurf.exporting",
+    "Run": "kirisurf.runs",
+    "read_run": "kirisurf.runs",
+    "FitSpec": "kirisurf.spec",
+    "Status": "kirisurf.status",
+    "Surface": "kirisurf.surface",
+    "load": "kirisurf.targets",
+    "samples": "kirisurf.targets",
+}
+
+__all__ = ["fit", *sorted(_HOMES), "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib import metadata
+
+        try:
+            return metadata.version("kirisurf")
+        except metadata.PackageNotFoundError:
+            return "0+unknown"
+    if name not in _HOMES:
+        raise AttributeError(f"module 'kirisurf' has no attribute {name!r}")
+    found = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(types.ModuleType):
+    """The package itself, with a function that has the name of a submodule.
+
+    The import system would replace `kirisurf.fit`, the function, by the submodule of that name.
+    """
+
+    @property
+    def fit(self) -> Any:
+        """The function `kirisurf.design.fit`."""
+        from kirisurf.design import fit
+
+        return fit
+
+    @fit.setter
+    def fit(self, submodule: Any) -> None:
+        pass
+
+
+sys.modules[__name__].__class__ = _Package

@@ -1,0 +1,58 @@
+"""Read-only arrays and the one validator of arrays, with one form of message: expected ..., got ...."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from kirisurf.errors import UnusableError
+
+
+def frozen(values: ArrayLike, dtype: DTypeLike = np.float64) -> np.ndarray:
+    """Return a read-only, C-contiguous copy of `values` with the given dtype."""
+    copy = np.array(values, dtype=dtype, order="C", copy=True)
+    copy.flags.writeable = False
+    return copy
+
+
+def checked(
+    values: ArrayLike,
+    name: str,
+    shape: Sequence[int | None],
+    dtype: DTypeLike = np.float64,
+) -> np.ndarray:
+    """Return `values` as a frozen array of the given shape, finite if floating.
+
+    Parameters
+    ----------
+    values : array_like
+    name : str
+        What the array is, for the message.
+    shape : sequence of int or None
+        Expected shape; None stands for any length.
+    dtype : dtype
+        float64 or int64. Integers are only accepted from integral values.
+
+    Raises
+    ------
+    UnusableError
+        Where the shape, the kind of number or the finiteness is not as expected.
+    """
+    wanted = "(" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
+    try:
+        array = np.asarray(values)
+        if np.issubdtype(np.dtype(dtype), np.integer) and array.size and array.dtype.kind not in "iu":
+            raise UnusableError(f"{name}: expected integers, got {array.dtype}")
+        array = array.astype(dtype, order="C")
+    except (TypeError, ValueError) as problem:
+        if isinstance(problem, UnusableError):
+            raise
+        raise UnusableError(f"{name}: expected numbers of shape {wanted}, got {problem}") from None
+    if array.ndim != len(shape) or any(s is not None and s != k for s, k in zip(shape, array.shape, strict=True)):
+        raise UnusableError(f"{name}: expected shape {wanted}, got {array.shape}")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        bad = int(np.flatnonzero(~np.isfinite(array).reshape(len(array), -1).all(axis=1))[0])
+        raise UnusableError(f"{name}: expected finite numbers, got {array[bad]} in row {bad}")
+    return frozen(array, dtype)

@@ -1,0 +1,110 @@
+"""From a tessellation, a start and a target to a Problem: which rows are hard, what is minimized, how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from kirisurf.block import Block
+from kirisurf.closest import ClosestPointMap
+from kirisurf.constraints.angle import FullTurns
+from kirisurf.constraints.edge import LongEdges
+from kirisurf.constraints.length import EqualLengths
+from kirisurf.constraints.opening import OpenHinges
+from kirisurf.constraints.planarity import FlatTiles
+from kirisurf.constraints.surface import OnSurface
+from kirisurf.objective.fairness import EqualNeighbors
+from kirisurf.objective.proximity import Proximity
+from kirisurf.objective.rim import RimDistance
+from kirisurf.problem import Problem, Term
+from kirisurf.tessellation import Tessellation
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the objective, all per squared tile edge.
+
+    Attributes
+    ----------
+    closeness : float
+        Distance to the target.
+    rim : float
+        Distance beyond the rim.
+    reach : float
+        Distance of the outline inside the rim, relative to `rim`.
+    fairness : float
+        Differences between neighboring tiles (times tiles over pairs).
+    proximity : float
+        Displacement from the start.
+    """
+
+    closeness: float = 1.0
+    rim: float = 0.3
+    reach: float = 0.03
+    fairness: float = 1e-2
+    proximity: float = 1e-2
+
+
+class Formulation:
+    """The problem of one fit, whose model of the target can be renewed at any points.
+
+    Parameters
+    ----------
+    tessellation : Tessellation
+    start : (n, 3)
+        In units of the tile edge; also the reference of the proximity term.
+    target : ClosestPointMap
+        In the same units.
+    weights : Weights
+    exact : bool
+        Every vertex on the target is a constraint, instead of closeness in the objective.
+    margin : float
+        Sine of the smallest opening.
+    smallest_edge : float
+        Over the tile edge; 0 leaves the rows out.
+    """
+
+    def __init__(
+        self,
+        tessellation: Tessellation,
+        start: Float[np.ndarray, "n 3"],
+        target: ClosestPointMap,
+        weights: Weights,
+        exact: bool = False,
+        margin: float = 0.05,
+        smallest_edge: float = 0.1,
+    ) -> None:
+        self._target = target
+        self._weights = weights
+        self._exact = exact
+        self._vertices = np.arange(tessellation.n_vertices)
+        self._outline = np.zeros(tessellation.n_vertices, bool)
+        self._outline[tessellation.outline] = True
+        sizes = np.unique(tessellation.tiles.sizes)
+        self._rigid: list[Block] = [EqualLengths(tessellation)]
+        self._rigid += [FullTurns(tessellation, int(k)) for k in np.unique(tessellation.rings.sizes)]
+        self._rigid += [FlatTiles(tessellation, int(k)) for k in sizes if k > 3]
+        self._inequalities: list[Block] = [OpenHinges(tessellation, margin, start)]
+        if smallest_edge > 0:
+            self._inequalities.append(LongEdges(tessellation, smallest_edge))
+        fairness = [EqualNeighbors(tessellation, int(k)) for k in sizes]
+        pairs = max(1, sum(len(block.stencil) for block in fairness))
+        self._fixed = [Term(weights.fairness * tessellation.n_tiles / pairs, b) for b in fairness if len(b.stencil)]
+        self._fixed.append(Term(weights.proximity, Proximity(start)))
+
+    def problem_at(self, points: Float[np.ndarray, "n 3"]) -> Problem:
+        """Return the problem with its model of the target made at `points`; stencils are always the same."""
+        projection = self._target.project(points)
+        surface = OnSurface(self._vertices, projection)
+        rim = RimDistance(self._outline, projection, points, self._weights.reach)
+        terms = [*self._fixed, Term(self._weights.rim, rim)]
+        if not self._exact:
+            terms.append(Term(self._weights.closeness, surface))
+        return Problem(
+            n_vertices=len(self._vertices),
+            equalities=(*self._rigid, surface) if self._exact else tuple(self._rigid),
+            inequalities=tuple(self._inequalities),
+            terms=tuple(terms),
+        )

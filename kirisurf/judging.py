@@ -1,0 +1,133 @@
+"""The one door from computing to `analysis`: certificates and measures of finished designs.
+
+The solver never asks `analysis`, and importing kirisurf must not load it: it is imported inside the functions.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirisurf.errors import ParameterError
+from kirisurf.formats import read_polygons
+from kirisurf.loops import Loops
+from kirisurf.origin import moved
+from kirisurf.spec import FitSpec
+from kirisurf.surface import Surface
+from kirisurf.targets import load
+from kirisurf.tessellation import Tessellation
+
+if TYPE_CHECKING:
+    from analysis.certificate import Certificate
+    from analysis.measures import Measures
+
+_ORIGIN_LINES = 50
+
+
+def certified(
+    spec: FitSpec,
+    deployed: np.ndarray,
+    contracted: np.ndarray,
+    tiles: Loops,
+    surface: Surface,
+    weld: np.ndarray | None = None,
+) -> Certificate:
+    """Certify a design from its points and tiles, by the limits that its spec asks for.
+
+    Parameters
+    ----------
+    spec : FitSpec
+    deployed : (n, 3)
+    contracted : (n, 2) or (n, 3)
+    tiles : Loops
+    surface : Surface
+    weld : (n,) int, optional
+        Contracted vertex of every vertex, for a design whose copies do not coincide yet; by default it is
+        found by proximity.
+    """
+    from analysis.certificate import certify
+
+    # Where the smooth surface behind the mesh is known, `exact` means: every vertex on it.
+    exact = {"distance_smooth_max": 1e-9} if spec.closeness == "exact" and surface.smooth is not None else None
+    return certify(deployed, contracted, tiles, surface, weld, exact)
+
+
+def measured(tessellation: Tessellation, deployed: np.ndarray, contracted: np.ndarray, surface: Surface) -> Measures:
+    """Measure a design: distances, curvatures and sizes as named fields, tables and numbers."""
+    from analysis.measures import measure
+
+    return measure(tessellation, deployed, contracted, surface)
+
+
+def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
+    """Certify any pair of states, of kirisurf or of another program.
+
+    Parameters
+    ----------
+    deployed, contracted : path, (points, tiles) or pyvista.PolyData
+        The same polygons on the same vertices in both states: OBJ or VTP files, points (n, 2) or (n, 3)
+        with `Loops` or a list of index lists, or meshes.
+    target : file, name of a sample surface, (vertices, faces) or pyvista mesh, optional
+        Without it the rows on the target are not judged. A file of kirisurf that was shifted to a round
+        origin says so in a comment; the target is shifted with it.
+
+    Raises
+    ------
+    ParameterError
+        Where the two states are not the same polygons.
+    UnreadableError, UnusableError
+        Where a file cannot be read or used.
+
+    Examples
+    --------
+    >>> from kirisurf.pattern import quad_pattern
+    >>> pattern = quad_pattern(2, 2)
+    >>> audit((pattern.deployed, pattern.tiles), (pattern.contracted, pattern.tiles)).passed
+    True
+    """
+    from analysis.certificate import certify
+
+    points, tiles = _state(deployed)
+    flat, same = _state(contracted)
+    if len(points) != len(flat):
+        raise ParameterError(
+            f"audit: expected the same vertices in both states, got {len(points)} deployed and {len(flat)} contracted"
+        )
+    if len(tiles) != len(same) or not np.array_equal(tiles.indices, same.indices):
+        raise ParameterError(
+            f"audit: expected the same polygons in the same order in both states, got {len(tiles)} deployed and "
+            f"{len(same)} contracted that differ"
+        )
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    surface = None
+    if target is not None:
+        surface = moved(load(target), origin_of(deployed))
+    return certify(points, flat, tiles, surface)
+
+
+def origin_of(deployed: Any) -> np.ndarray:
+    """Return the origin (3,) that the comments of an OBJ file name, zero where they name none."""
+    if isinstance(deployed, (str, os.PathLike)) and Path(deployed).suffix.lower() == ".obj":
+        with open(deployed, encoding="utf-8", errors="replace") as file:
+            for _, line in zip(range(_ORIGIN_LINES), file, strict=False):
+                match = re.match(r"#\s*origin:\s*(\S+)\s+(\S+)\s+(\S+)", line)
+                if match:
+                    return np.array([float(word) for word in match.groups()])
+    return np.zeros(3)
+
+
+def _state(state: Any) -> tuple[np.ndarray, Loops]:
+    if isinstance(state, (str, os.PathLike)):
+        return read_polygons(state)
+    if hasattr(state, "irregular_faces"):
+        return np.asarray(state.points, dtype=float), Loops.from_lists([list(face) for face in state.irregular_faces])
+    if isinstance(state, (tuple, list)) and len(state) == 2:
+        points, tiles = np.asarray(state[0], dtype=float), state[1]
+        if points.ndim == 2 and points.shape[1] in (2, 3):
+            return points, tiles if isinstance(tiles, Loops) else Loops.from_lists(tiles)
+    raise ParameterError(f"audit: expected a file, (points, tiles) or a pyvista mesh, got {type(state).__name__}")

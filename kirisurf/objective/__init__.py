@@ -1,0 +1,1 @@
+"""Objective terms: least-squares rows with weights, in the same form as constraint blocks."""

@@ -1,0 +1,171 @@
+"""Pictures and reports of a design or a run: the one module of the computing room that asks the viewers.
+
+`viewers` is imported inside the functions, so that computing starts without VTK and matplotlib.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirisurf.runs import Run
+from kirisurf.runs.table import curvature_rows
+from kirisurf.surface import Surface
+from kirisurf.tessellation import Tessellation
+
+if TYPE_CHECKING:
+    from viewers.report import ReportParts
+    from viewers.scenes import Sheet
+
+PICTURES = ("overview", "target", "pattern", "deployed", "mean_curvature", "gaussian_curvature")
+REPORT = "report.html"
+
+
+def sheet(
+    tessellation: Tessellation,
+    deployed: np.ndarray,
+    contracted: np.ndarray,
+    target: Surface,
+    fields: Mapping[tuple[str, str], np.ndarray],
+    units: str | None,
+) -> Sheet:
+    """Return what pictures are drawn from; fields with several columns are left out."""
+    from viewers.scenes import Sheet
+
+    plain = {key: values for key, values in fields.items() if values.ndim == 1}
+    return Sheet.from_arrays(
+        tessellation.tiles,
+        tessellation.holes,
+        deployed,
+        contracted,
+        target,
+        plain,
+        units=units or "unit",
+        name=target.name,
+    )
+
+
+def run_sheet(run: Run) -> Sheet:
+    """Return what pictures of a run are drawn from."""
+    return sheet(run.tessellation, run.deployed, run.contracted, run.target, run.fields, run.spec.units)
+
+
+def draw_pictures(drawn: Sheet, folder: Path, names: Sequence[str] = PICTURES) -> tuple[dict[str, Path], str]:
+    """Write the standard pictures as `NAME.png`.
+
+    Parameters
+    ----------
+    drawn : Sheet
+    folder : Path
+    names : sequence of str
+        Some of `PICTURES`.
+
+    Returns
+    -------
+    pictures : dict of str to Path
+        Those that were drawn, in order.
+    reason : str
+        Why there are none, and what to do; empty where there are.
+
+    Raises
+    ------
+    OutputError
+        Where a file cannot be written.
+    """
+    from viewers.opengl import probe
+    from viewers.scenes import standard_scenes
+    from viewers.snapshot import render, render_overview
+
+    answer = probe()
+    if not answer.available:
+        return {}, answer.reason
+    scenes = standard_scenes(drawn)
+    pictures = {}
+    for name in names:
+        path = folder / f"{name}.png"
+        if name == "overview":
+            pictures[name] = render_overview(scenes, path)
+        elif name in scenes:
+            pictures[name] = render(scenes[name], path)
+    return pictures, ""
+
+
+def report_parts(
+    result: Mapping[str, Any],
+    contracted: np.ndarray,
+    fields: Mapping[tuple[str, str], np.ndarray],
+    pictures: Mapping[str, Path],
+    no_pictures: str = "",
+    title: str = "",
+) -> ReportParts:
+    """Return what a report shows, from the record of a run (complete or about to be written).
+
+    Seconds and warnings of drawing are not part of it: the same design gives the same report.
+    """
+    from viewers.report import ReportParts
+
+    holes = {name: values for (where, name), values in fields.items() if where == "hole"}
+    beside = result["certificate_beside"]
+    width, height = np.ptp(contracted, axis=0).tolist()
+    units = str(result["units"])
+    return ReportParts(
+        title=title or f"kirisurf: {result['target']['name']}",
+        target_name=str(result["target"]["name"]),
+        units="unit" if "assumed" in units else units,
+        result={key: value for key, value in result.items() if key != "seconds"},
+        certificate=result["certificate"],
+        limits=beside["limits"],
+        failures=tuple(beside["failures"]),
+        fields={key: values for key, values in fields.items() if values.ndim == 1},
+        numbers={key: value for key, value in result["measures"].items() if value is not None},
+        tables={"curvature": curvature_rows(holes)},
+        pictures=pictures,
+        notes=tuple(result["notes"]),
+        warnings=tuple(result.get("warnings", ())),
+        history=tuple(result["history"]),
+        sheet_size=(width, height),
+        no_pictures=no_pictures,
+    )
+
+
+def run_report_parts(run: Run) -> ReportParts:
+    """Return what a report on a finished run shows."""
+    pictures = {name: run.folder / f"{name}.png" for name in PICTURES if (run.folder / f"{name}.png").is_file()}
+    missing = "" if pictures else "The run holds no pictures."
+    return report_parts(run.result, run.contracted, run.fields, pictures, missing, f"kirisurf: {run.name}")
+
+
+def write_report(parts: ReportParts | Sequence[ReportParts], path: Path) -> Path:
+    """Write one self-contained HTML file on one run, or comparing several.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
+    from viewers.report import write_report
+
+    return write_report(parts, path)
+
+
+def show_run(run: Run) -> None:
+    """Open a run in a window and wait until it is closed.
+
+    Raises
+    ------
+    KirisurfError
+        Where there is no display; the message names what to do instead.
+    """
+    from viewers.window import show_sheet
+
+    show_sheet(run_sheet(run), f"kirisurf: {run.name}")
+
+
+def show_surface(surface: Surface) -> None:
+    """Open a target surface in a window and wait until it is closed; raises as :func:`show_run`."""
+    from viewers.window import show_surface
+
+    show_surface(surface, f"kirisurf: {surface.name}")

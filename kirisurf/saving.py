@@ -1,0 +1,191 @@
+"""From a design to a run folder: files, certificate recomputed from them, pictures, and the record last.
+
+The pictures are asked for inside a function: whoever wants none needs neither VTK's renderer nor matplotlib.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirisurf.cuts import Cuts, cuts
+from kirisurf.design import Design
+from kirisurf.errors import ParameterError
+from kirisurf.formats import read_polygons, write_obj, write_vtp
+from kirisurf.formats.atomic import write_text
+from kirisurf.judging import certified
+from kirisurf.loops import Loops
+from kirisurf.runs import Run, RunFolder, read_run
+from kirisurf.runs.record import SECONDS, write_record
+from kirisurf.runs.run import CELL, SPEC, STANDARD_CONTRACTED, STANDARD_DEPLOYED, WELD
+from kirisurf.runs.table import curvature_csv
+from kirisurf.status import Status
+from kirisurf.surface import Surface
+from kirisurf.svg import svg_text
+
+if TYPE_CHECKING:
+    from analysis.certificate import Certificate
+
+_WARNED = 1
+
+
+def save(
+    design: Design,
+    folder: RunFolder,
+    *,
+    pictures: bool = True,
+    stage: Callable[[str], None] = lambda name: None,
+) -> Run:
+    """Write a design into an open run folder and commit it.
+
+    Parameters
+    ----------
+    design : Design
+    folder : RunFolder
+        Entered; it is committed here.
+    pictures : bool
+        Draw pictures, where OpenGL works.
+    stage : callable
+        Receives the name of what is done next.
+
+    Raises
+    ------
+    OutputError
+        Where a file cannot be written; the folder is then as it was.
+    """
+    began = time.perf_counter()
+    to = folder.staging
+    stage("measuring")
+    lines, warnings = _cut_lines(design)
+    warnings = [*design.warnings, *warnings]
+    _write_data(design, lines, to)
+    certificate = _certificate_of_files(design, to)
+    status = design.status
+    if status is Status.CONVERGED and not certificate.passed:
+        status = Status.NOT_CERTIFIED
+    analysed = time.perf_counter()
+
+    stage("drawing" if pictures else "writing the report")
+    result = _result(design, certificate, status, lines)
+    warnings += _publish(design, {**result, "warnings": warnings}, to, pictures)
+    seconds = {**dict.fromkeys(SECONDS, 0.0), **design.result.seconds}
+    seconds |= {"analyse": analysed - began, "draw": time.perf_counter() - analysed}
+    seconds["total"] = sum(seconds[name] for name in SECONDS if name != "total")
+    code = status.exit_code or (_WARNED if warnings else 0)
+    write_record(to, {**result, "exit_code": code, "warnings": warnings, "seconds": seconds})
+    folder.commit()
+    return read_run(folder.path)
+
+
+def _cut_lines(design: Design) -> tuple[Cuts, list[str]]:
+    """The cut lines; a hinge width that does not fit is replaced and said, for the solve must not be lost to it."""
+    try:
+        return cuts(design.tessellation, design.contracted_points, design.spec.hinge_width), []
+    except ParameterError as problem:
+        lines = cuts(design.tessellation, design.contracted_points)
+        return lines, [f"{problem}. pattern.svg was drawn with hinges of {lines.hinge_width:.6g} instead."]
+
+
+def _write_data(design: Design, lines: Cuts, to: Path) -> None:
+    """Write every file that holds numbers."""
+    tessellation, surface = design.tessellation, design.surface
+    points, flat, tiles = design.deployed_points, design.contracted_points, tessellation.tiles
+    write_text(to / SPEC, design.spec.to_toml())
+    comments = _comments(design)
+    write_obj(to / "deployed.obj", points, tiles, ["kirisurf: deployed state", *comments])
+    write_obj(to / "contracted.obj", flat, tiles, ["kirisurf: contracted state", *comments])
+
+    vertex, tile, hole = (design.fields(where) for where in ("vertex", "tile", "hole"))
+    topology = {
+        WELD: tessellation.weld,
+        STANDARD_DEPLOYED: tessellation.deployed,
+        STANDARD_CONTRACTED: tessellation.contracted,
+    }
+    write_vtp(to / "deployed.vtp", points, tiles, vertex, tile)
+    write_vtp(to / "contracted.vtp", flat, tiles, {**vertex, **topology}, {**tile, CELL: tessellation.cells})
+    write_vtp(to / "holes.vtp", points, tessellation.holes, vertex, hole)
+    faces = Loops(np.arange(0, 3 * len(surface.faces) + 1, 3), surface.faces.ravel())
+    write_vtp(to / "target.vtp", surface.vertices, faces, {"normal": surface.normals})
+    write_text(to / "curvature.csv", curvature_csv(hole))
+    write_text(to / "pattern.svg", svg_text(lines, design.spec.units, f"{surface.name}: cut pattern"))
+
+
+def _comments(design: Design) -> list[str]:
+    unit = design.spec.units or "those of the target"
+    lines = [f"units: {unit}"]
+    if np.any(design.origin):
+        place = " ".join(repr(value) for value in design.origin.tolist())
+        lines.append(f"origin: {place} (add it to every vertex for the frame of the target)")
+    return lines
+
+
+def _certificate_of_files(design: Design, folder: Path) -> Certificate:
+    """Certify what was written, not what was meant to be written."""
+    deployed, tiles = read_polygons(folder / "deployed.obj")
+    contracted, _ = read_polygons(folder / "contracted.obj")
+    # Before convergence the copies of a vertex do not coincide: without the welding, every row would only say that.
+    weld = None if design.status is Status.CONVERGED else design.tessellation.weld
+    return certified(design.spec, deployed, contracted, tiles, design.surface, weld)
+
+
+def _result(design: Design, certificate: Certificate, status: Status, lines: Cuts) -> dict[str, Any]:
+    """The record, but for what is known last: exit code, warnings, seconds, hashes."""
+    fit, surface, tessellation = design.result.fit, design.surface, design.tessellation
+    failures = " ".join(f"{sentence}." for sentence in certificate.failures)
+    return {
+        "status": status.name,
+        "reason": f"{status.value} {failures}".strip(),
+        "certified": certificate.passed,
+        "certificate": dict(certificate.rows),
+        "certificate_beside": {
+            "failures": list(certificate.failures),
+            "limits": dict(certificate.limits),
+            "pieces": certificate.pieces,
+            "flipped": certificate.flipped,
+            **certificate.extra,
+        },
+        "measures": dict(design.measures.numbers),
+        "iterations": len(fit.history),
+        "history": [dict(step.residuals) for step in fit.history],
+        "tiles": tessellation.n_tiles,
+        "vertices": tessellation.n_vertices,
+        "holes": len(tessellation.holes),
+        "slits": len(lines.slits),
+        "edge_length": certificate.edge_length,
+        "hinge_width": lines.hinge_width,
+        "units": design.spec.units or "mm (assumed)",
+        "origin": design.origin,
+        "target": _described(surface),
+        "notes": list(design.notes),
+    }
+
+
+def _publish(design: Design, result: Mapping[str, Any], to: Path, pictures: bool) -> list[str]:
+    """Draw the pictures and write the report; return why there are no pictures, where that needs reading."""
+    from kirisurf.publishing import REPORT, draw_pictures, report_parts, sheet, write_report
+
+    tessellation, points, flat = design.tessellation, design.deployed_points, design.contracted_points
+    fields = {(where, name): v for where in ("vertex", "tile", "hole") for name, v in design.fields(where).items()}
+    drawn, reason, warnings = {}, "Pictures were not asked for.", []
+    if pictures:
+        shown = sheet(tessellation, points, flat, design.surface, fields, design.spec.units)
+        drawn, reason = draw_pictures(shown, to)
+        warnings = [reason] if reason else []
+    parts = report_parts(result, flat, fields, drawn, reason)
+    write_report(parts, to / REPORT)
+    return warnings
+
+
+def _described(surface: Surface) -> Mapping[str, Any]:
+    return {
+        "name": surface.name,
+        "vertices": len(surface.vertices),
+        "faces": len(surface.faces),
+        "area": surface.area,
+        "diagonal": surface.diagonal,
+        "smooth": None if surface.smooth is None else surface.smooth.formula,
+    }

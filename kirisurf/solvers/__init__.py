@@ -1,0 +1,1 @@
+"""Solvers: each takes a Problem and a start and returns an Outcome."""

@@ -1,0 +1,34 @@
+"""Which solver a name stands for."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from kirisurf.problem import Problem
+from kirisurf.solvers.interior_point import InteriorPoint
+from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
+from kirisurf.solvers.scipy_peers import ScipyPeer
+
+
+class Solver(Protocol):
+    """Solves problems; configuration only."""
+
+    def solve(
+        self,
+        problem: Problem,
+        start: np.ndarray,
+        refresh: Refresh | None = None,
+        progress: Progress | None = None,
+        should_stop: ShouldStop | None = None,
+    ) -> Outcome:
+        """Solve from a start (n, 3) in tile edges."""
+        ...
+
+
+def make_solver(name: str, limits: Limits) -> Solver:
+    """Return the solver of a name: auto and newton are the project's own, the others SciPy's."""
+    if name in ("slsqp", "trust-constr"):
+        return ScipyPeer(name, limits)
+    return InteriorPoint(limits)

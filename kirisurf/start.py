@@ -1,0 +1,177 @@
+"""The start of a fit: flattening, placement, opening, initial guess, and the reasons for the choices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from kirisurf.errors import UnusableError
+from kirisurf.flattening import Flattening, checked_flattening, flatten
+from kirisurf.guess import lay_quads, tile_centers
+from kirisurf.pattern import tile_pattern
+from kirisurf.placement import Placement, rectangle_placement, trimmed_placement
+from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners
+from kirisurf.spec import FitSpec
+from kirisurf.surface import Surface
+from kirisurf.tessellation import Tessellation
+from kirisurf.unit_cell import quad_cell
+
+LEAST_STRETCH, MOST_STRETCH = 1.05, 1.40
+"""Range of the stretch that is planned for: a quad sheet can give 1 to sqrt 2."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Everything that is known before the solve.
+
+    Attributes
+    ----------
+    tessellation : Tessellation
+    points : (n, 3)
+        Initial guess, in the target's units.
+    notes, warnings : tuple of str
+        The automatic choices with their reasons, and what needs to be read.
+    """
+
+    tessellation: Tessellation
+    points: Float[np.ndarray, "n 3"]
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def make_start(surface: Surface, spec: FitSpec) -> Start:
+    """Lay the pattern of a spec on a surface.
+
+    Raises
+    ------
+    UnusableError
+        Where the surface cannot be flattened one to one, or no sheet fits its outline.
+    """
+    conformal = flatten(surface)
+    notes: list[str] = []
+    warnings: list[str] = []
+    if conformal.n_repaired:
+        warnings.append(
+            f"The flattening of the target turned {conformal.n_repaired} faces over; the map was smoothed there. "
+            "The start is less regular near them."
+        )
+    base = _positions(surface, spec, conformal)
+    if spec.cells is not None:
+        flattening, placement = _rectangle(base, conformal, spec.cells, notes, warnings)
+    else:
+        flattening, placement = base, _trimmed(base, spec, notes)
+    tessellation = tile_pattern(quad_cell(0.5), placement.mask)
+    asked = conformal.log_scale
+    local = flattening.interpolate(asked, tile_centers(tessellation, placement))
+    stretch = _stretch(local, spec, notes, warnings)
+    points = lay_quads(tessellation, placement, flattening, stretch)
+    if spec.initial == "flat":
+        points = _laid_flat(surface, conformal, flattening, placement, tessellation, stretch)
+        notes.append("Start: the pattern lies flat in the mean plane of the target (--initial flat).")
+    return Start(tessellation, points, tuple(notes), tuple(warnings))
+
+
+def _positions(surface: Surface, spec: FitSpec, conformal: Flattening) -> Flattening:
+    if spec.initial != "analytic":
+        return conformal
+    plane = _mean_plane(surface)
+    return checked_flattening(surface, (surface.vertices - surface.vertices.mean(axis=0)) @ plane.T, "projection")
+
+
+def _rectangle(
+    base: Flattening, conformal: Flattening, cells: tuple[int, int], notes: list[str], warnings: list[str]
+) -> tuple[Flattening, Placement]:
+    corners, found = rectangle_corners(conformal)
+    flattening = base if base.kind == "projection" else map_to_rectangle(conformal, corners)
+    placement = rectangle_placement(flattening, *cells)
+    width, height = np.ptp(flattening.uv, axis=0)
+    where = "the four corners of its outline" if found else "four points of its outline, which has no four clear corners"
+    notes.append(f"Placement: {cells[0]}x{cells[1]} unit cells fitted to {where} ({flattening.kind} map).")
+    if placement.overlap < 0.95:
+        fitting = max(1, round(cells[1] * width / height))
+        warnings.append(
+            f"The target is {width / height:.2f} times as long as wide, the pattern {cells[0] / cells[1]:.2f} times: it "
+            f"covers {100 * placement.overlap:.0f} % of the outline. --cells {fitting}x{cells[1]} would fit."
+        )
+    return flattening, placement
+
+
+def _trimmed(base: Flattening, spec: FitSpec, notes: list[str]) -> Placement:
+    angle = None if spec.orientation == "auto" else float(np.radians(float(spec.orientation)))
+    assert spec.tiles is not None
+    placement = trimmed_placement(base, spec.tiles, angle)
+    reason = "the one of 0, 22.5, 45 and 67.5 that covers the outline best" if angle is None else "as asked"
+    notes.append(
+        f"Placement: {placement.n_tiles} tiles on the conformal flattening, trimmed to the outline, turned by "
+        f"{np.degrees(placement.angle):.1f} degrees from its long side ({reason}); "
+        f"the trimmed lattice and the outline share {100 * placement.overlap:.0f} % of their area."
+    )
+    return placement
+
+
+def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[str]) -> np.ndarray:
+    """Logarithm of the planned stretch of every tile."""
+    low, high = np.percentile(asked, [2, 98])
+    spread = float(np.exp(high - low))
+    if spec.opening == "auto" and spec.initial != "standard":
+        middle = 0.5 * (np.log(LEAST_STRETCH) + np.log(MOST_STRETCH)) - 0.5 * (low + high)
+        notes.append(
+            f"Opening: it varies so that the stretch follows the target's, which differs by a factor of {spread:.2f} "
+            f"over the sheet; its middle lies halfway between {LEAST_STRETCH:g} and {MOST_STRETCH:g} "
+            "(a quad sheet can stretch from 1 to 1.41)."
+        )
+        stretch = asked + middle
+    else:
+        opening = 60.0 if spec.opening == "auto" else float(spec.opening)
+        half = np.radians(opening) / 2
+        stretch = np.full(len(asked), np.log(np.cos(half) + np.sin(half)))
+        if spec.initial != "standard":
+            stretch = stretch + asked - np.median(asked)
+        notes.append(f"Opening: {opening:g} degrees as asked.")
+    if spread > np.sqrt(2):
+        warnings.append(
+            f"The target asks for stretches that differ by a factor of {spread:.2f} over the sheet; quad tiles of one "
+            "size give at most 1.41. Expect small or strained tiles, or a distance to the target, where it curves most; "
+            "a smaller part of the target, or one cut open there, would ask for less."
+        )
+    return stretch
+
+
+def _laid_flat(
+    surface: Surface,
+    conformal: Flattening,
+    flattening: Flattening,
+    placement: Placement,
+    tessellation: Tessellation,
+    stretch: np.ndarray,
+) -> np.ndarray:
+    """The laid pattern, in the mean plane of the surface and turned like it."""
+    plane = _mean_plane(surface)
+    center = surface.vertices.mean(axis=0)
+    flat = (surface.vertices - center) @ plane.T
+    uv = flattening.uv - flattening.uv.mean(axis=0)
+    left, _, right = np.linalg.svd(uv.T @ flat)
+    turn = left @ right
+    if np.linalg.det(turn) < 0:
+        raise UnusableError(f"{surface.name}: expected a surface that can be seen from one side, got one that folds over")
+    vertices = center + uv @ turn @ plane
+    flat_surface = Surface.from_arrays(vertices, surface.faces, surface.name)
+    moved = Flattening(flat_surface, flattening.uv, flattening.log_scale, flattening.kind)
+    return lay_quads(tessellation, placement, moved, stretch)
+
+
+def _mean_plane(surface: Surface) -> np.ndarray:
+    """Two orthonormal rows (2, 3) that span the plane normal to the mean normal, right-handed with it."""
+    normal = (surface.face_normals * surface.face_areas[:, None]).sum(axis=0)
+    size = np.linalg.norm(normal)
+    if size < 1e-6 * surface.area:
+        raise UnusableError(f"{surface.name}: expected a surface with a front, got normals that cancel out")
+    normal /= size
+    longest = surface.vertices - surface.vertices.mean(axis=0)
+    longest = longest - np.outer(longest @ normal, normal)
+    first = np.linalg.svd(longest.T @ longest)[0][:, 0]
+    first -= (first @ normal) * normal
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(normal, first)])

@@ -1,0 +1,153 @@
+"""From what a user calls the target (a file, a sample's name, arrays, a pyvista mesh) to a surface.
+
+The one door from computing to `sample_surfaces`, which is imported inside the functions.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kirisurf.errors import ParameterError, UnreadableError
+from kirisurf.spec import DEFAULT_TILES, UNITS, FitSpec, is_file_name
+from kirisurf.surface import Surface
+
+if TYPE_CHECKING:
+    from sample_surfaces.catalog import SampleSpec
+
+_PLANAR = (".svg", ".dxf")
+
+
+def load(target: Any, resolution: int | None = None) -> Surface:
+    """Return a target surface.
+
+    Parameters
+    ----------
+    target : str, path, Surface, (vertices, faces) or pyvista.PolyData
+        A mesh file; the name of a sample surface (a file of the same name needs a folder: ./hypar);
+        arrays (v, 3) and (f, 3); or a mesh in memory.
+    resolution : int, optional
+        Of a sample surface.
+
+    Raises
+    ------
+    UnreadableError
+        Where there is no such file or sample, or the file cannot be read.
+    UnusableError
+        Where it holds no usable surface.
+    ParameterError
+        Where the target is of another type.
+
+    Examples
+    --------
+    >>> load("hypar", resolution=10).vertices.shape
+    (121, 3)
+    """
+    if isinstance(target, Surface):
+        return target
+    if isinstance(target, (str, os.PathLike)):
+        return load_with_notes(target_name(target), resolution)[0]
+    if isinstance(target, (tuple, list)) and len(target) == 2:
+        return Surface.from_arrays(target[0], target[1], "arrays")
+    if hasattr(target, "points") and hasattr(target, "n_cells"):
+        from kirisurf.formats import surface_from_polydata
+
+        return surface_from_polydata(target, "mesh")
+    raise ParameterError(
+        "target: expected a file, the name of a sample surface, (vertices, faces), or a pyvista mesh, "
+        f"got {type(target).__name__}"
+    )
+
+
+def target_name(target: str | os.PathLike[str]) -> str:
+    """Return a target's name as a spec holds it; a path object is a file even without a suffix."""
+    name = os.fspath(target)
+    return f"./{name}" if isinstance(target, os.PathLike) and not is_file_name(name) else name
+
+
+def samples() -> tuple[SampleSpec, ...]:
+    """Return what is known of every sample surface, the published ones first.
+
+    Examples
+    --------
+    >>> [sample.title for sample in samples() if sample.name == "hypar"]
+    ['Hyperbolic paraboloid']
+    """
+    import sample_surfaces
+
+    return tuple(sample_surfaces.spec(name) for name in sample_surfaces.names())
+
+
+def is_sample(target: str) -> bool:
+    """Whether a target's name means a sample surface."""
+    import sample_surfaces
+
+    return not is_file_name(target) and target in sample_surfaces.names()
+
+
+def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> FitSpec:
+    """Return the spec with nothing left to the place where it is run.
+
+    A file's path becomes absolute (relative paths start at `folder`, by default the current one). A
+    sample's own units are taken where none are given, and its own number of tiles where not `sized`.
+    """
+    if is_sample(spec.target):
+        import sample_surfaces
+
+        sample = sample_surfaces.spec(spec.target)
+        values: dict[str, Any] = {}
+        if not sized:
+            values = {"cells": sample.cells} if sample.cells else {"tiles": sample.tiles} if sample.tiles else {}
+        if spec.units is None and sample.units in UNITS:
+            values["units"] = sample.units
+        return spec.changed(**values)
+    return spec.changed(target=os.path.abspath(os.path.join(folder or Path.cwd(), spec.target)))
+
+
+def load_with_notes(target: str, resolution: int | None = None) -> tuple[Surface, tuple[str, ...]]:
+    """Return the surface of a file or a sample, with a sentence on everything that the reader changed.
+
+    Raises
+    ------
+    UnreadableError, UnusableError, ParameterError
+        As :func:`load`.
+    """
+    if is_sample(target):
+        import sample_surfaces
+
+        shadowed = os.path.isfile(target)
+        notes = (f"{target} is the sample surface; the file of that name is ./{target}.",) if shadowed else ()
+        return sample_surfaces.load(target, resolution), notes
+    if not os.path.exists(target) and not is_file_name(target):
+        import sample_surfaces
+
+        near = difflib.get_close_matches(target, sample_surfaces.names(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"samples: {', '.join(sample_surfaces.names())}"
+        raise UnreadableError(f"target: expected a mesh file or the name of a sample surface, got {target!r} ({hint})")
+    if Path(target).suffix.lower() in _PLANAR:
+        raise ParameterError(f"{target}: a planar outline as target is not available in this version: use a mesh file.")
+    from kirisurf.formats import read_surface_with_notes
+
+    return read_surface_with_notes(target)
+
+
+def prepared(surface: Surface, spec: FitSpec) -> tuple[Surface, tuple[str, ...]]:
+    """Return the surface repaired and remeshed as the spec asks, with a sentence on either."""
+    if not (spec.repair or spec.remesh):
+        return surface, ()
+    from kirisurf.repair import remeshed, repaired_with_notes
+
+    notes = []
+    if spec.repair:
+        surface, done = repaired_with_notes(surface)
+        notes += done or ("The target needed no repair.",)
+    if spec.remesh:
+        # Three faces along a tile's edge: enough for a normal on each side of every vertex of the pattern.
+        tiles = 4 * spec.cells[0] * spec.cells[1] if spec.cells else spec.tiles or DEFAULT_TILES
+        edge = spec.remesh_edge or math.sqrt(surface.area / tiles) / 3.0
+        surface = remeshed(surface, edge)
+        notes.append(f"The target was remeshed to edges of {edge:.4g}: {len(surface.faces)} faces now.")
+    return surface, tuple(notes)

@@ -1,0 +1,127 @@
+"""Bezier arithmetic with exact rational truths, and least-squares patches."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from analysis.bernstein import bernstein, cubic_basis, difference_matrix
+from analysis.patches import BezierPatch, conditions, fit_patches, hole_patches, surrounding_vertices
+from kirisurf.loops import Loops
+
+# B_0 ... B_3 at 1/4, and their derivatives: 27, 27, 9, 1 over 64; -27, 9, 15, 3 over 16; 72, -120, 24, 24 over 16
+QUARTER = [
+    [Fraction(27, 64), Fraction(27, 64), Fraction(9, 64), Fraction(1, 64)],
+    [Fraction(-27, 16), Fraction(9, 16), Fraction(15, 16), Fraction(3, 16)],
+    [Fraction(72, 16), Fraction(-120, 16), Fraction(24, 16), Fraction(24, 16)],
+    [Fraction(-6), Fraction(18), Fraction(-18), Fraction(6)],
+]
+
+
+@pytest.mark.parametrize("order", range(4))
+def test_cubic_basis_at_a_quarter_is_exact(order):
+    assert cubic_basis(np.array(0.25), order).tolist() == [float(value) for value in QUARTER[order]]
+
+
+def test_basis_sums_to_one_and_derivatives_to_zero():
+    t = np.linspace(-0.5, 1.5, 9)
+    assert bernstein(t).sum(axis=1) == pytest.approx(np.ones(9))
+    for order in (1, 2, 3):
+        assert cubic_basis(t, order).sum(axis=1) == pytest.approx(np.zeros(9), abs=1e-13)
+
+
+def test_basis_derivatives_have_taylor_slope_two():
+    t, direction = 0.3, 1.0
+    for order in range(3):
+        errors = []
+        for h in (1e-2, 5e-3, 2.5e-3):
+            exact = cubic_basis(np.array(t), order) + h * direction * cubic_basis(np.array(t), order + 1)
+            errors.append(np.abs(cubic_basis(np.array(t + h), order) - exact).max())
+        if order < 2:
+            assert np.log2(errors[0] / errors[2]) / 2 == pytest.approx(2, abs=0.05)
+        else:
+            assert max(errors) <= 1e-13
+
+
+def test_third_differences_vanish_on_quadratics():
+    i = np.arange(4.0)
+    assert difference_matrix(4, 3) @ np.stack([i**0, i, i**2], axis=1) == pytest.approx(np.zeros((1, 3)))
+    assert (difference_matrix(4, 3) @ i**3).item() == 6
+
+
+def test_patch_reproduces_a_bicubic_polynomial():
+    # control points of u^3 + 2 u v^2 - v: blossoms of the monomials at the corners
+    u, u3 = np.arange(4) / 3, np.array([0.0, 0, 0, 1])
+    v, v2 = np.arange(4) / 3, np.array([0.0, 0, 1 / 3, 1])
+    net = u3[:, None] + 2 * u[:, None] * v2 - v
+    patch = BezierPatch(np.stack([np.broadcast_to(u[:, None], (4, 4)), np.broadcast_to(v, (4, 4)), net], axis=2)[None])
+    s, t = np.random.default_rng(0).uniform(size=(2, 1, 7))
+    expected = np.stack([s, t, s**3 + 2 * s * t**2 - t], axis=2)
+    assert patch.evaluate(s, t) == pytest.approx(expected)
+    assert patch.derivative(s, t, 1, 1)[..., 2] == pytest.approx(4 * t)
+    assert patch.derivative(s, t, 2, 0)[..., 2] == pytest.approx(6 * s)
+    assert patch.derivative(s, t, 0, 1)[..., 2] == pytest.approx(4 * s * t - 1)
+    assert patch.derivative(s, t, 1, 2)[..., 2] == pytest.approx(np.full((1, 7), 4.0))
+
+
+@pytest.mark.parametrize("n", [9, 12, 18])
+def test_quadratics_are_fitted_exactly_whatever_the_smoothing(n):
+    rng = np.random.default_rng(n)
+    uv = rng.uniform(size=(n, 2))
+    quadratic = 1 + uv[:, 0] - 3 * uv[:, 1] + 2 * uv[:, 0] ** 2 + uv[:, 0] * uv[:, 1] - uv[:, 1] ** 2
+    for smoothing in (1e-6, 1e-3, 1e3):
+        net = fit_patches(quadratic[:, None], uv, Loops.from_lists([np.arange(n)]), smoothing)
+        s, t = rng.uniform(size=(2, 1, 20))
+        patch = BezierPatch(np.concatenate([net, net, net], axis=3))
+        expected = 1 + s - 3 * t + 2 * s**2 + s * t - t**2
+        assert patch.evaluate(s, t)[..., 0] == pytest.approx(expected, abs=1e-8)
+
+
+def test_points_enough_for_a_bicubic_are_met_as_smoothing_vanishes():
+    u, v = (q.ravel() for q in np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 5)))
+    values = u**3 * v**3 - v**3
+    net = fit_patches(values[:, None], np.stack([u, v], axis=1), Loops.from_lists([np.arange(25)]), 1e-14)
+    patch = BezierPatch(np.concatenate([net] * 3, axis=3))
+    assert patch.evaluate(u[None], v[None])[0, :, 0] == pytest.approx(values, abs=1e-9)
+
+
+def test_holes_of_the_quad_pattern_have_twelve_vertices_and_face_the_front(flat_design, rotation):
+    design = flat_design(3, 2)
+    around = surrounding_vertices(design.tessellation)
+    assert set(around.sizes) == {12}
+    assert len(around) == len(design.tessellation.holes) == 5 * 3
+    holes = hole_patches(design.deployed @ rotation.T, design.tessellation)
+    s = np.full((len(around), 1), 0.5)
+    normal = np.cross(holes.patches.derivative(s, s, 1, 0), holes.patches.derivative(s, s, 0, 1))[:, 0]
+    assert normal / np.linalg.norm(normal, axis=1)[:, None] == pytest.approx(np.tile(rotation[:, 2], (15, 1)))
+    assert not holes.ill_conditioned.any()
+    assert holes.residuals == pytest.approx(np.zeros(15), abs=1e-12)
+
+
+def test_points_on_a_conic_are_ill_conditioned():
+    t = np.arange(12) / 12 * 2 * np.pi
+    circle = 0.5 + 0.5 * np.stack([np.cos(t), np.sin(t)], axis=1)
+    grid = np.stack([q.ravel() for q in np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 3))], axis=1)
+    found = conditions(np.concatenate([circle, grid]), Loops.from_lists([np.arange(12), np.arange(12, 24)]))
+    assert found[0] > 1e12
+    assert found[1] < 20
+
+
+def test_folded_tiles_are_flagged_and_their_value_kept(flat_design):
+    design = flat_design(2, 2, np.pi / 4)
+    points = np.array(design.deployed)
+    corner = design.tiles[0]
+    shared = np.bincount(design.tiles.indices)[corner] > 1
+    # fold the corner tile backwards about its two hinges
+    a, b = points[corner[shared]]
+    axis = (b - a) / np.linalg.norm(b - a)
+    relative = points[corner] - a
+    along = (relative @ axis)[:, None] * axis
+    across = relative - along
+    points[corner] = a + along + np.cos(2.6) * across + np.sin(2.6) * np.cross(axis, across)
+    holes = hole_patches(points, design.tessellation)
+    touched = [int(0 in tiles) for tiles in design.tessellation.hole_tiles]
+    assert holes.ill_conditioned.astype(int).tolist() == touched
+    assert np.isfinite(holes.patches.nets).all()

@@ -1,0 +1,70 @@
+"""Labels, units and ranges of fields."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kirisurf.errors import ParameterError
+from viewers.fields import describe_field, name_unit, unit_label
+
+
+def test_signed_field_is_symmetric_about_zero():
+    field = describe_field("mean_curvature", "hole", np.array([-1.0, 0.5, 3.0]), "mm")
+    assert field.signed
+    assert field.limits == (-3.0, 3.0)
+    assert field.unit == "1/mm"
+    assert field.range_note == ""
+
+
+def test_a_wild_value_does_not_set_the_range_and_the_note_says_so():
+    values = np.r_[np.linspace(-1, 1, 200), 1e6]
+    field = describe_field("gaussian_curvature", "hole", values, "m")
+    assert field.limits[1] == -field.limits[0]
+    assert 0.9 < field.limits[1] < 1.1
+    assert "98th percentile of the absolute value" in field.range_note
+    assert field.unit == "1/m\u00b2"
+    assert field.exceeds == (True, True) or field.exceeds == (False, True)
+
+
+def test_unsigned_field_starts_at_zero_when_near_it():
+    field = describe_field("planarity", "tile", np.array([1e-13, 2e-13, 9e-13]))
+    assert field.limits == (0.0, 9e-13)
+    assert not field.signed
+
+
+@pytest.mark.parametrize("values", [np.zeros(5), np.full(5, 3.0), np.full(5, -3.0), np.zeros(0), np.full(3, np.nan)])
+def test_range_is_never_empty(values):
+    for name in ("mean_curvature", "planarity"):
+        low, high = describe_field(name, "hole", values).limits
+        assert low < high
+
+
+def test_missing_values_do_not_count():
+    field = describe_field("mean_curvature", "hole", np.array([np.nan, -2.0, 1.0]))
+    assert field.limits == (-2.0, 2.0)
+
+
+def test_unknown_field_is_named_by_its_words_and_signed_by_its_values():
+    assert describe_field("my_own", "tile", np.array([1.0, 2.0])).label == "my own"
+    assert not describe_field("my_own", "tile", np.array([1.0, 2.0])).signed
+    assert describe_field("my_own", "tile", np.array([-1.0, 2.0])).signed
+
+
+def test_wrong_arguments_are_refused():
+    with pytest.raises(ParameterError, match="expected vertex, tile or hole, got 'face'"):
+        describe_field("area", "face", np.zeros(2))
+    with pytest.raises(ParameterError, match="percent"):
+        describe_field("area", "tile", np.zeros(2), percent=30.0)
+
+
+def test_units():
+    assert [unit_label(p, "mm") for p in (1, 2, -1, -2, 0, "rad")] == [
+        "mm",
+        "mm\u00b2",
+        "1/mm",
+        "1/mm\u00b2",
+        "",
+        "rad",
+    ]
+    assert (name_unit("unit", 1), name_unit("unit", 2), name_unit("mm", 2)) == ("unit", "units", "mm")

@@ -1,0 +1,227 @@
+"""The report stands alone, escapes what a user wrote, and shows every row."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from kirisurf.errors import OutputError, ParameterError
+from viewers.parts import ReportParts, curvature_summary, verdict
+from viewers.report import report_html, write_report
+from viewers.words import CAPTIONS
+
+ROWS = {
+    "length": 3e-13,
+    "angle": 2e-12,
+    "planarity": 1e-14,
+    "isometry": 1e-13,
+    "closure": 2e-13,
+    "opening_min": 0.31,
+    "intersections": 0,
+    "overlap_contracted": 0.0,
+    "gap_contracted": 1e-15,
+    "loop": None,
+    "min_edge": 0.41,
+    "distance_rms": 0.021,
+    "distance_max": 0.08,
+    "reach_rms": 0.2,
+    "reach_max": 0.7,
+    "coverage": 0.93,
+    "coverage_strict": 0.88,
+}
+LIMITS = {"length": 1e-9, "angle": 1e-9, "opening_min": 0.0, "intersections": 0, "distance_rms": 0.05, "coverage": 0.85}
+
+
+class Page(HTMLParser):
+    """What a browser would see of a page: tags with attributes, balance, text."""
+
+    VOID = frozenset({"meta", "img", "br", "link", "hr"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict]] = []
+        self.open: list[str] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+        assert not self.open, f"tags left open: {self.open}"
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open.pop() == tag, f"</{tag}> closes nothing"
+
+    def handle_data(self, data):
+        self.text += data
+
+
+@pytest.fixture
+def parts(sheet, tmp_path) -> ReportParts:
+    Image.new("RGB", (4, 3), "white").save(tmp_path / "deployed.png")
+    (tmp_path / "pattern.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
+    return ReportParts(
+        title="A sheet",
+        target_name="hypar",
+        units="mm",
+        result={
+            "status": "CONVERGED",
+            "reason": "Converged.",
+            "seconds": {"total": 1.25, "solve": 0.5},
+            "iterations": 7,
+            "tiles": 36,
+            "vertices": 84,
+            "holes": 25,
+            "edge_length": 0.2,
+            "versions": {"numpy": "9.9.9"},
+        },
+        certificate=ROWS,
+        limits=LIMITS,
+        failures=(),
+        fields=sheet.fields,
+        numbers={"tile_area": 1.5},
+        tables={"curvature": [{"hole": k, "mean_curvature": 0.1 * k, "flag": 0} for k in range(25)]},
+        pictures={"deployed": tmp_path / "deployed.png", "pattern": tmp_path / "pattern.svg"},
+        notes=("The opening is 60 % because of the stretch.",),
+        history=({"length": 1e-2}, {"length": 1e-10}),
+        sheet_size=(1.5, 1.25),
+    )
+
+
+def test_the_page_loads_nothing_and_runs_nothing(parts):
+    text = report_html(parts)
+    page = Page(text)
+    assert "http" not in text and "file:" not in text and "@import" not in text and "url(" not in text
+    assert not [tag for tag, _ in page.tags if tag in ("script", "link", "iframe", "object", "base")]
+    sources = [a["src"] for _, a in page.tags if "src" in a]
+    assert len(sources) == 2 + 4 + 1
+    assert all(s.startswith(("data:image/png;base64,", "data:image/svg+xml;base64,")) for s in sources)
+    assert not [a for _, a in page.tags if "href" in a or any(key.startswith("on") for key in a)]
+
+
+def test_every_picture_has_words(parts):
+    page = Page(report_html(parts))
+    assert all(a.get("alt") for tag, a in page.tags if tag == "img")
+    assert CAPTIONS["deployed"] in page.text
+
+
+def test_every_certificate_row_is_shown_with_a_verdict_in_words(parts):
+    page = Page(report_html(parts))
+    shown = {a["data-row"]: a["class"] for tag, a in page.tags if "data-row" in a}
+    assert list(shown) == list(ROWS)
+    assert shown["loop"] == "none" and shown["length"] == "pass" and shown["reach_max"] == "info"
+    for words in ("pass", "does not apply", "reported"):
+        assert words in page.text
+
+
+@pytest.mark.parametrize(
+    "where",
+    ["title", "target_name", "units", "notes", "warnings", "failures", "no_pictures", "row", "table", "version"],
+)
+def test_what_a_user_wrote_is_escaped(parts, where):
+    evil = "<img src=x onerror=alert(1)>&\"'"
+    changed = {
+        "row": {"certificate": {evil: 1.0}},
+        "table": {"tables": {"curvature": [{evil: evil}]}},
+        "version": {"result": {**parts.result, "versions": {evil: evil}, "reason": evil}},
+        "no_pictures": {"pictures": {}, "no_pictures": evil},
+    }.get(where, {where: (evil,) if where in ("notes", "warnings", "failures") else evil})
+    text = report_html(replace(parts, **changed))
+    page = Page(text)
+    assert "<img src=x" not in text
+    assert not [a for _, a in page.tags if "onerror" in a or a.get("src") == "x"]
+    assert "onerror=alert(1)" in page.text
+
+
+def test_the_same_parts_give_the_same_page(parts):
+    assert report_html(parts) == report_html(parts)
+
+
+def test_a_failure_is_in_the_verdict_and_in_its_row(parts):
+    failing = replace(parts, failures=("planarity: expected at most 1e-09, got 3e-4: a tile is not flat",))
+    assert verdict(failing) == "Not certified: 1 check failed."
+    page = Page(report_html(failing))
+    assert {a["data-row"]: a["class"] for _, a in page.tags if "data-row" in a}["planarity"] == "fail"
+    assert "a tile is not flat" in page.text and "\u2717" in page.text
+
+
+def test_without_a_judge_rows_are_held_against_their_limits(parts):
+    assert verdict(replace(parts, failures=None)).startswith("Certified")
+    wrong = replace(parts, failures=None, certificate={**ROWS, "angle": 1e-3, "closure": None})
+    assert verdict(wrong) == "Not certified: 2 checks failed."
+    assert verdict(replace(parts, certificate={})).startswith("Not certified: no certificate")
+
+
+def test_warnings_are_part_of_the_verdict(parts):
+    assert "warnings" in verdict(replace(parts, warnings=("Look here.",)))
+    assert "Look here." in Page(report_html(replace(parts, warnings=("Look here.",)))).text
+
+
+def test_without_pictures_the_page_says_why_and_what_to_do(parts):
+    page = Page(report_html(replace(parts, pictures={}, no_pictures="OpenGL is missing: apt-get install it.")))
+    assert "no pictures" in page.text and "apt-get install it." in page.text and "kirisurf report" in page.text
+
+
+def test_an_empty_report_can_be_written(tmp_path):
+    path = write_report(ReportParts("Nothing", "none"), tmp_path / "report.html")
+    Page(path.read_text(encoding="utf-8"))
+
+
+def test_the_paragraph_beside_the_maps_says_what_is_target_and_what_is_fit(parts):
+    summary = curvature_summary(parts)
+    target = np.abs(parts.fields["hole", "target_gaussian_curvature"])
+    assert summary.gaussian[0] == pytest.approx(np.median(target))
+    assert summary.gaussian[1] == pytest.approx(np.median(target) / 11)
+    rms = np.sqrt(np.mean(parts.fields["vertex", "distance"] ** 2))
+    assert summary.per_edge_squared == pytest.approx(rms / 0.04)
+    text = Page(report_html(parts)).text
+    assert "9.1 % of it" in text and "d/L\u00b2" in text and "1/mm\u00b2" in text
+
+
+def test_flagged_holes_are_left_out_of_the_medians_and_counted(parts):
+    flag = np.zeros(25)
+    flag[0] = 1
+    wild = np.array(parts.fields["hole", "gaussian_curvature"])
+    wild[0] = np.nan
+    fields = {**parts.fields, ("hole", "flag"): flag, ("hole", "gaussian_curvature"): wild}
+    summary = curvature_summary(replace(parts, fields=fields))
+    assert summary.n_without == 1 and np.isfinite(summary.gaussian[1])
+    assert "1 of 25 holes" in Page(report_html(replace(parts, fields=fields))).text
+    assert curvature_summary(replace(parts, fields={})) is None
+
+
+def test_long_tables_are_cut_and_say_where_the_rest_is(parts):
+    assert "first 12 of 25 holes" in Page(report_html(parts)).text
+
+
+def test_a_comparison_shows_every_run(parts, tmp_path):
+    other = replace(parts, title="The <other>", failures=("length: bad",))
+    path = write_report([parts, other], tmp_path / "comparison.html")
+    page = Page(path.read_text(encoding="utf-8"))
+    assert "A sheet" in page.text and "The <other>" in page.text
+    assert [a["data-row"] for _, a in page.tags if "data-row" in a] == list(ROWS)
+    assert "http" not in path.read_text(encoding="utf-8")
+    with pytest.raises(ParameterError, match="at least one run"):
+        write_report([], tmp_path / "none.html")
+
+
+def test_a_comparison_of_one_is_its_report(parts, tmp_path):
+    assert write_report([parts], tmp_path / "one.html").read_text(encoding="utf-8") == report_html(parts)
+
+
+def test_missing_and_strange_pictures_are_refused(parts, tmp_path):
+    with pytest.raises(OutputError, match="picture deployed: expected a readable file"):
+        report_html(replace(parts, pictures={"deployed": tmp_path / "gone.png"}))
+    with pytest.raises(ParameterError, match=r"picture deployed: expected a file of kind \.png"):
+        report_html(replace(parts, pictures={"deployed": tmp_path / "deployed.exe"}))
+
+
+def test_an_unwritable_place_is_an_output_error(parts, tmp_path):
+    with pytest.raises(OutputError):
+        write_report(parts, tmp_path / "missing" / "report.html")

@@ -1,0 +1,1 @@
+"""Showing a finished design: pictures, charts, reports and windows. Nothing is computed here."""

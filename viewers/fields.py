@@ -1,0 +1,158 @@
+"""Fields: named quantities on vertices, tiles or holes, with the label, unit and range to color them by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from kirisurf.arrays import frozen
+from kirisurf.errors import ParameterError
+
+ROBUST_PERCENT = 98.0
+
+# name: (label, power of the user's unit or "rad" or "" where it is a ratio, signed)
+_KNOWN: dict[str, tuple[str, int | str, bool]] = {
+    "distance": ("distance to the target", 1, True),
+    "distance_over_edge": ("distance to the target / tile edge", "", True),
+    "closure_gap": ("closure gap", 1, False),
+    "residual_ring": ("ring residual", "rad", False),
+    "planarity": ("planarity / tile edge", "", False),
+    "isometry": ("isometry / tile edge", "", False),
+    "area": ("area", 2, False),
+    "size_ratio": ("tile edge / median tile edge", "", False),
+    "tile_angle_deviation": ("deviation of tile angles", "rad", False),
+    "opening_angle": ("smallest opening angle", "rad", False),
+    "flag": ("flag", "", False),
+}
+_CURVATURES = {"mean_curvature": ("mean curvature H", -1), "gaussian_curvature": ("Gaussian curvature K", -2)}
+_VARIANTS = {
+    "{}": "{}",
+    "{}_averaged": "{}, averaged over the hole",
+    "target_{}": "{} of the target",
+    "{}_difference": "{}, hole minus target",
+}
+_KNOWN |= {
+    variant.format(name): (words.format(label), power, True)
+    for name, (label, power) in _CURVATURES.items()
+    for variant, words in _VARIANTS.items()
+}
+_SUPERSCRIPTS = {1: "", 2: "\u00b2", 3: "\u00b3"}
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A quantity to color by.
+
+    Attributes
+    ----------
+    name : str
+        Its name among the measures, such as gaussian_curvature.
+    where : str
+        vertex, tile or hole.
+    values : (k,)
+        One number per vertex, tile or hole; NaN where there is none.
+    label, unit : str
+        What it is in words, and its unit; the unit of a ratio is empty.
+    limits : (float, float)
+        Values at the ends of the color bar; symmetric about zero for a signed field.
+    signed : bool
+        True where the sign matters: a diverging map centered at zero.
+    range_note : str
+        How the limits were chosen, in words; empty where they are the extremes.
+    """
+
+    name: str
+    where: str
+    values: Float[np.ndarray, " k"]
+    label: str
+    unit: str
+    limits: tuple[float, float]
+    signed: bool
+    range_note: str = ""
+
+    @property
+    def exceeds(self) -> tuple[bool, bool]:
+        """Whether values lie below and above the color bar."""
+        finite = self.values[np.isfinite(self.values)]
+        if not len(finite):
+            return False, False
+        return bool(finite.min() < self.limits[0]), bool(finite.max() > self.limits[1])
+
+
+def describe_field(
+    name: str,
+    where: str,
+    values: np.ndarray,
+    units: str = "unit",
+    limits: tuple[float, float] | None = None,
+    percent: float = ROBUST_PERCENT,
+) -> Field:
+    """Return a field with label, unit and a robust range.
+
+    A signed field has the range [-r, r] with r the given percentile of the absolute values, so that zero
+    is white and a few wild values do not wash out the rest; an unsigned one has the percentiles
+    100 - percent and percent. With fewer than 20 values the extremes are used.
+
+    Parameters
+    ----------
+    name, where : str
+    values : (k,)
+        NaN where there is no value.
+    units : str
+        The user's unit of length.
+    limits : (float, float), optional
+        A range to use instead, such as that of another map beside this one.
+    percent : float
+        In (50, 100].
+
+    Raises
+    ------
+    ParameterError
+        Where `percent` is out of range or `where` is unknown.
+    """
+    if where not in ("vertex", "tile", "hole"):
+        raise ParameterError(f"where of field {name}: expected vertex, tile or hole, got {where!r}")
+    if not 50 < percent <= 100:
+        raise ParameterError(f"percent: expected more than 50 and at most 100, got {percent}")
+    values = frozen(np.asarray(values, float).ravel())
+    finite = values[np.isfinite(values)]
+    label, power, signed = _KNOWN.get(name, (name.replace("_", " "), "", bool((finite < 0).any())))
+    note = ""
+    if limits is None:
+        if len(finite) < 20:
+            percent = 100.0
+        limits = _robust_limits(finite, signed, percent)
+        if percent < 100 and len(finite) and (finite.min() < limits[0] or finite.max() > limits[1]):
+            note = f"range: {percent:g}th percentile" + (" of the absolute value" if signed else "")
+    return Field(name, where, values, label, unit_label(power, units), limits, signed, note)
+
+
+def unit_label(power: int | str, units: str) -> str:
+    """Return a unit to a power in words of a color bar: 1 -> mm, 2 -> mm^2, -1 -> 1/mm; text as it is."""
+    if isinstance(power, str):
+        return power
+    if power == 0:
+        return ""
+    text = units + _SUPERSCRIPTS.get(abs(power), f"^{abs(power)}")
+    return text if power > 0 else f"1/{text}"
+
+
+def name_unit(units: str, length: float) -> str:
+    """Return the unit of length after a number: the word unit gets its plural, symbols stay."""
+    return "units" if units == "unit" and length != 1 else units
+
+
+def _robust_limits(finite: np.ndarray, signed: bool, percent: float) -> tuple[float, float]:
+    if not len(finite):
+        return (-1.0, 1.0) if signed else (0.0, 1.0)
+    if signed:
+        reach = float(np.percentile(np.abs(finite), percent)) or float(np.abs(finite).max()) or 1.0
+        return -reach, reach
+    low, high = (float(p) for p in np.percentile(finite, [100 - percent, percent]))
+    if percent == 100 or low >= 0:
+        low = 0.0 if 0 <= low < 0.5 * high else low
+    if high - low <= 1e-12 * max(abs(high), abs(low)):
+        low, high = (low - 0.5 * abs(low), high + 0.5 * abs(high)) if high else (0.0, 1.0)
+    return low, high

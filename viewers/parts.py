@@ -1,0 +1,134 @@
+"""The parts of a report: plain values in, and the few sentences and medians that a reader starts with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viewers.words import CertificateRow, row_in_words
+
+
+@dataclass(frozen=True, eq=False)
+class ReportParts:
+    """All that a report shows of one run.
+
+    Attributes
+    ----------
+    title, target_name, units : str
+    result : mapping
+        As in result.json: status, reason, seconds, iterations, tiles, vertices, holes, edge_length,
+        versions. What is missing is left out.
+    certificate : mapping of str to float or None
+    limits : mapping of str to float
+    failures : tuple of str or None
+        The certificate's sentences, "row: why" each; with none of them the design passed. None where there is
+        no judge: every row is then held against its limit here.
+    fields : mapping of (where, name) to array
+    numbers : mapping of str to float
+    tables : mapping of str to list of rows
+        `curvature` is shown: a row per hole.
+    pictures : mapping of str to path
+        PNG, JPEG or SVG files to embed, in order.
+    notes, warnings : tuple of str
+        The automatic choices with their reasons; what needs reading.
+    history : tuple of mapping
+        For every step: constraint block -> largest residual.
+    sheet_size : (float, float) or None
+        Width and height of the flat sheet in the user's units.
+    no_pictures : str
+        Why there are no pictures and how to get them.
+    """
+
+    title: str
+    target_name: str
+    units: str = "unit"
+    result: Mapping[str, Any] = field(default_factory=dict)
+    certificate: Mapping[str, float | None] = field(default_factory=dict)
+    limits: Mapping[str, float] = field(default_factory=dict)
+    failures: tuple[str, ...] | None = None
+    fields: Mapping[tuple[str, str], np.ndarray] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    tables: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+    pictures: Mapping[str, Path] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    history: tuple[Mapping[str, float], ...] = ()
+    sheet_size: tuple[float, float] | None = None
+    no_pictures: str = ""
+
+
+@dataclass(frozen=True)
+class CurvatureSummary:
+    """How much of the holes' curvature is the target's and how much the fit's, in the user's units.
+
+    Attributes
+    ----------
+    gaussian, mean : (float, float)
+        Medians over the holes: of the absolute curvature of the target, and of the absolute difference of
+        the hole's to it.
+    distance_rms, edge_length : float
+    per_edge_squared : float
+        distance_rms / edge_length^2: about what the fit adds to the mean curvature of a hole.
+    n_holes, n_without : int
+        Holes, and those without a trustworthy patch.
+    """
+
+    gaussian: tuple[float, float]
+    mean: tuple[float, float]
+    distance_rms: float
+    edge_length: float
+    per_edge_squared: float
+    n_holes: int
+    n_without: int
+
+
+def verdict(parts: ReportParts) -> str:
+    """Return the sentence that a reader in a hurry needs."""
+    if not parts.certificate:
+        return "Not certified: no certificate was made for this design."
+    if passed(parts):
+        return (
+            f"Certified{', with warnings that need reading' if parts.warnings else ''}: closed and opened it is one "
+            "sheet of the same rigid tiles, and every check of the saved files passed."
+        )
+    count = len(parts.failures or ()) or sum(row.verdict in ("fail", "unchecked") for row in certificate_rows(parts))
+    return f"Not certified: {count} {'check' if count == 1 else 'checks'} failed."
+
+
+def certificate_rows(parts: ReportParts) -> list[CertificateRow]:
+    """Return every certificate row in words, in the given order."""
+    return [
+        row_in_words(name, value, parts.limits.get(name), parts.failures) for name, value in parts.certificate.items()
+    ]
+
+
+def curvature_summary(parts: ReportParts) -> CurvatureSummary | None:
+    """Return the medians beside the curvature maps, or None where the fields are missing."""
+    found = {}
+    for name in ("gaussian_curvature", "mean_curvature"):
+        hole, target = parts.fields.get(("hole", name)), parts.fields.get(("hole", f"target_{name}"))
+        if hole is None or target is None:
+            return None
+        flag = parts.fields.get(("hole", "flag"), np.zeros(len(hole)))
+        good = np.isfinite(hole) & np.isfinite(target) & (np.asarray(flag) == 0)
+        if not good.any():
+            return None
+        found[name] = (float(np.median(np.abs(target[good]))), float(np.median(np.abs(hole[good] - target[good]))))
+        count, without = len(hole), int((~good).sum())
+    distance = parts.fields.get(("vertex", "distance"))
+    rms = float(np.sqrt(np.mean(np.square(distance)))) if distance is not None and len(distance) else float("nan")
+    edge = float(parts.result.get("edge_length") or float("nan"))
+    return CurvatureSummary(
+        found["gaussian_curvature"], found["mean_curvature"], rms, edge, rms / edge**2, count, without
+    )
+
+
+def passed(parts: ReportParts) -> bool:
+    """Return whether a certificate was made and no row of it fails."""
+    if not parts.certificate or parts.failures:
+        return False
+    return all(row.verdict not in ("fail", "unchecked") for row in certificate_rows(parts))

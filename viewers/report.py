@@ -1,0 +1,188 @@
+"""Reports: one self-contained HTML file for a run, or a comparison of several.
+
+Pictures are embedded, nothing is loaded from anywhere and no script runs: the file can be mailed, printed
+and kept.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kirisurf.errors import OutputError, ParameterError
+from viewers import charts
+from viewers.fields import unit_label
+from viewers.parts import ReportParts, certificate_rows, curvature_summary, passed, verdict
+from viewers.words import CAPTIONS, number, row_in_words
+
+__all__ = ["Picture", "ReportParts", "comparison_html", "embed", "report_html", "write_report"]
+
+_MEDIA = {".png": "image/png", ".svg": "image/svg+xml", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
+FIRST_ROWS = 12
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in the page: a data: address, its caption and the text that stands for it."""
+
+    name: str
+    address: str
+    caption: str
+    wide: bool = False
+
+
+def write_report(parts: ReportParts | Sequence[ReportParts], path: Path | str) -> Path:
+    """Write the report of one run, or the comparison of several, as one HTML file.
+
+    Parameters
+    ----------
+    parts : ReportParts or sequence of ReportParts
+    path : path
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ParameterError
+        Where there is no run to report, or a picture is of an unknown kind.
+    OutputError
+        Where a picture cannot be read or the file cannot be written.
+    """
+    from kirisurf.formats.atomic import write_text
+
+    html = report_html(parts) if isinstance(parts, ReportParts) else comparison_html(parts)
+    write_text(Path(path), html)
+    return Path(path)
+
+
+def report_html(parts: ReportParts) -> str:
+    """Return the page of one run; see `write_report`."""
+    summary = curvature_summary(parts)
+    rows = certificate_rows(parts)
+    return _template("report.html").render(
+        parts=parts,
+        verdict=verdict(parts),
+        passed=passed(parts),
+        rows=rows,
+        pictures=[embed(name, Path(file)) for name, file in _shown(parts.pictures).items()],
+        charts=_charts(parts),
+        summary=summary,
+        history=_address("image/svg+xml", charts.residual_history(parts.history).encode()) if parts.history else "",
+        table=_table(parts),
+        result=parts.result,
+    )
+
+
+def comparison_html(runs: Sequence[ReportParts]) -> str:
+    """Return the page that compares several runs, one column each; see `write_report`."""
+    runs = tuple(runs)
+    if not runs:
+        raise ParameterError("report: expected at least one run, got none")
+    if len(runs) == 1:
+        return report_html(runs[0])
+    names = list(dict.fromkeys(name for run in runs for name in run.certificate))
+    table = [
+        [row_in_words(name, run.certificate.get(name), run.limits.get(name), run.failures) for run in runs]
+        for name in names
+    ]
+    pictures = []
+    for run in runs:
+        chosen = [name for name in ("deployed", "gaussian_curvature", "overview") if name in run.pictures][:2]
+        pictures.append([embed(name, Path(run.pictures[name])) for name in chosen])
+    return _template("comparison.html").render(
+        runs=runs,
+        table=table,
+        pictures=pictures,
+        verdicts=[verdict(run) for run in runs],
+        passed=[passed(run) for run in runs],
+        summaries=[curvature_summary(run) for run in runs],
+    )
+
+
+def embed(name: str, file: Path) -> Picture:
+    """Return a picture file as part of the page.
+
+    Raises
+    ------
+    ParameterError
+        Where the suffix is not .png, .jpg or .svg.
+    OutputError
+        Where the file cannot be read.
+    """
+    media = _MEDIA.get(file.suffix.lower())
+    if media is None:
+        raise ParameterError(f"picture {name}: expected a file of kind {', '.join(_MEDIA)}, got {file.name}")
+    try:
+        content = file.read_bytes()
+    except OSError as problem:
+        raise OutputError(f"picture {name}: expected a readable file, got {problem.strerror or problem}") from None
+    return Picture(name, _address(media, content), CAPTIONS.get(name, name.replace("_", " ")), name == "overview")
+
+
+def _shown(pictures: Mapping[str, Path]) -> Mapping[str, Path]:
+    """The pictures to show: the overview only where it does not repeat what stands below it."""
+    single = {name: file for name, file in pictures.items() if name != "overview"}
+    return single if len(single) >= 3 else pictures
+
+
+def _address(media: str, content: bytes) -> str:
+    return f"data:{media};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _charts(parts: ReportParts) -> list[tuple[str, str]]:
+    """Addresses and texts of the curvature charts."""
+    out = []
+    kinds = (("gaussian_curvature", "Gaussian curvature", -2), ("mean_curvature", "mean curvature", -1))
+    for name, label, power in kinds:
+        hole, target = parts.fields.get(("hole", name)), parts.fields.get(("hole", f"target_{name}"))
+        if hole is None or target is None or not len(hole):
+            continue
+        flag = np.asarray(parts.fields.get(("hole", "flag"), np.zeros(len(hole))))
+        hole, target = np.where(flag == 0, hole, np.nan), np.asarray(target, float)
+        unit = unit_label(power, parts.units)
+        capital = label[0].upper() + label[1:]
+        for svg, words in (
+            (charts.curvature_scatter(hole, target, capital, unit), f"{capital} of the holes over that of the target"),
+            (charts.curvature_histogram(hole, target, capital, unit), f"How often each {label} occurs"),
+        ):
+            out.append((_address("image/svg+xml", svg.encode()), words))
+    return out
+
+
+def _table(parts: ReportParts) -> dict[str, Any] | None:
+    rows = list(parts.tables.get("curvature", ()))
+    if not rows:
+        return None
+    columns = list(rows[0])
+    return {
+        "columns": [column.replace("_", " ").replace("gaussian", "Gaussian") for column in columns],
+        "rows": [[number(_plain(row.get(column))) for column in columns] for row in rows[:FIRST_ROWS]],
+        "total": len(rows),
+    }
+
+
+def _plain(value: object) -> object:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _template(name: str) -> Any:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("viewers", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = lambda value: number(_plain(value))
+    environment.filters["percent"] = lambda value: f"{100 * value:.2g} %"
+    environment.filters["unit"] = lambda power, units: unit_label(power, units)
+    return environment.get_template(name)

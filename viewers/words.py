@@ -1,0 +1,175 @@
+"""Words: what the rows of a certificate and the pictures mean, for a reader who did not write the solver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+CAPTIONS = {
+    "overview": "All at one scale: the target, the flat sheet, the deployed sheet, and the curvature of its holes.",
+    "target": "The target surface as it was read.",
+    "pattern": "The flat, closed sheet. Every line is a cut; at the corners of the tiles a hinge stays.",
+    "deployed": "The sheet, opened, on the target. The gaps between the tiles are the opened slits.",
+    "mean_curvature": "Every hole, filled by a smooth patch and colored by its mean curvature at its center. "
+    "Positive where the patch bends toward the normal of the target.",
+    "gaussian_curvature": "Every hole, filled by a smooth patch and colored by its Gaussian curvature at its center. "
+    "Positive like a dome, negative like a saddle.",
+    "distance": "How far the vertices of the sheet lie above (+) or below (-) the target.",
+}
+
+AT_LEAST = frozenset({"opening_min", "min_edge", "coverage", "coverage_strict"})
+
+# name: (short name, meaning, unit)
+_ROWS = {
+    "length": (
+        "Slit edges match",
+        "The two sides of every slit are equally long, so that it can close.",
+        "of a tile edge",
+    ),
+    "angle": (
+        "Corners close",
+        "Round every inner point of the closed sheet the tile angles sum to a full turn.",
+        "rad",
+    ),
+    "planarity": ("Tiles are flat", "The corners of every tile lie in one plane.", "of a tile edge"),
+    "isometry": ("Tiles are rigid", "Every tile has the same shape in both states.", "of a tile edge"),
+    "closure": (
+        "The sheet closes",
+        "Copies of a point on the two sides of a slit meet when it is closed.",
+        "of a tile edge",
+    ),
+    "opening_min": (
+        "Slits open the right way",
+        "Smallest opening at a hinge; below zero, two tiles would overlap.",
+        "rad",
+    ),
+    "intersections": (
+        "No tiles cross",
+        "Pairs of tiles without a common point that cut through each other in space.",
+        "pairs",
+    ),
+    "overlap_contracted": (
+        "No overlap when flat",
+        "Area where tiles of the flat sheet lie on each other.",
+        "of the tiles' area",
+    ),
+    "gap_contracted": ("No gaps when flat", "Area inside the flat outline that no tile covers.", "of the tiles' area"),
+    "loop": ("Designed openings close", "How well the outline of every designed opening closes.", "of a tile edge"),
+    "min_edge": ("Smallest edge", "The shortest tile edge, against the median one.", "of a tile edge"),
+    "distance_rms": ("Distance to the target", "Root mean square over the deployed vertices.", "of a tile edge"),
+    "distance_max": (
+        "Largest distance to the target",
+        "The deployed vertex farthest from the target.",
+        "of a tile edge",
+    ),
+    "reach_rms": (
+        "Reach of the target",
+        "From points all over the target to the sheet, root mean square.",
+        "of a tile edge",
+    ),
+    "reach_max": ("Farthest reach", "The point of the target farthest from the sheet.", "of a tile edge"),
+    "coverage": ("Coverage", "Part of the target inside the sheet's outer outline.", "of the target's area"),
+    "pieces": ("One piece", "Parts that hinges hold together.", "pieces"),
+    "flipped": ("No tile turned over", "Tiles of the flat sheet that lie face down.", "tiles"),
+    "flatness": ("The closed sheet is flat", "Largest distance of its vertices from one plane.", "of a tile edge"),
+    "coverage_strict": (
+        "Strict coverage",
+        "Part of the target under tiles and closed holes alone.",
+        "of the target's area",
+    ),
+}
+
+_MARKS = {
+    "pass": ("\u2713", "pass"),
+    "fail": ("\u2717", "fails"),
+    "unchecked": ("?", "not checked"),
+    "none": ("\u2013", "does not apply"),
+    "info": ("\u00b7", "reported"),
+}
+
+
+@dataclass(frozen=True)
+class CertificateRow:
+    """One row of the certificate in words.
+
+    Attributes
+    ----------
+    name, title, meaning, unit : str
+    value, limit : str
+        Formatted.
+    verdict : str
+        pass, fail, unchecked, none (does not apply) or info (no limit).
+    mark, verdict_word : str
+        A sign and a word for the verdict, so that color is never alone.
+    """
+
+    name: str
+    title: str
+    meaning: str
+    unit: str
+    value: str
+    limit: str
+    verdict: str
+    mark: str
+    verdict_word: str
+
+
+def row_in_words(
+    name: str, value: float | None, limit: float | None, failures: tuple[str, ...] | None = None
+) -> CertificateRow:
+    """Describe one certificate row.
+
+    Parameters
+    ----------
+    name : str
+    value : float or None
+    limit : float or None
+        Largest allowed value, or smallest for openings, edges and coverages; None where there is no limit.
+    failures : tuple of str, optional
+        The judge's sentences, "name: why" each: a row fails where one names it. Without them the row is held
+        against its limit here, and a null row counts as not checked, but for `loop`, which few patterns have.
+    """
+    title, meaning, unit = _ROWS.get(name, (name.replace("_", " "), "", ""))
+    at_least = name in AT_LEAST
+    if failures is not None:
+        fails = any(sentence.startswith(f"{name}:") for sentence in failures)
+    elif value is None:
+        fails = name != "loop"
+    else:
+        fails = limit is not None and not _holds(name, value, limit)
+    if value is None:
+        verdict = "unchecked" if fails else "none"
+    elif fails:
+        verdict = "fail"
+    else:
+        verdict = "info" if limit is None else "pass"
+    mark, word = _MARKS[verdict]
+    relation = ">" if name == "opening_min" else "\u2265" if at_least else "\u2264"
+    return CertificateRow(
+        name,
+        title,
+        meaning,
+        unit,
+        "\u2013" if value is None else number(value),
+        "" if limit is None else f"{relation} {number(limit)}",
+        verdict,
+        mark,
+        word,
+    )
+
+
+def _holds(name: str, value: float, limit: float) -> bool:
+    if name == "opening_min":
+        return value > limit
+    return value >= limit if name in AT_LEAST else value <= limit
+
+
+def number(value: object) -> str:
+    """Format a number with three significant digits; whole numbers and text as they are; NaN as a dash."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value) if value is not None else "\u2013"
+    if value != value:
+        return "\u2013"
+    if isinstance(value, int) or (value == int(value) if abs(value) < 1e15 else False):
+        return f"{int(value)}"
+    text = f"{value:.3g}"
+    return text.replace("e-0", "e-").replace("e+0", "e")
