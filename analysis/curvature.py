@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from analysis import polygons
 from analysis.patches import BezierPatch, HolePatches
-from kirisurf.closest import ClosestPointMap
+from kirisurf.closest import ClosestPoints
 
 # Strang and Fix: degree 5 on a triangle, 7 points; rows of barycentric coordinates, weights sum to 1
 _A, _B = (6 - np.sqrt(15)) / 21, (6 + np.sqrt(15)) / 21
@@ -88,7 +88,7 @@ class HoleCurvature:
 
     Attributes
     ----------
-    centres : (g, 3), units
+    centers : (g, 3), units
         Patch points at the centers of the holes.
     normals : (g, 3)
         Patch normals there, on the tiles' front side.
@@ -102,7 +102,7 @@ class HoleCurvature:
         Of the patches within the holes.
     """
 
-    centres: Float[np.ndarray, "g 3"]
+    centers: Float[np.ndarray, "g 3"]
     normals: Float[np.ndarray, "g 3"]
     mean: Float[np.ndarray, " g"]
     gaussian: Float[np.ndarray, " g"]
@@ -118,17 +118,17 @@ def hole_curvature(holes: HolePatches) -> HoleCurvature:
     The average is the integral over the hole's own polygon in the parameter domain, cut into triangles from
     its center, by a 7-point Gauss rule each; (signed areas, so that any polygon will do).
     """
-    patches, (u, v) = holes.patches, holes.centres.T[:, :, None]
+    patches, (u, v) = holes.patches, holes.centers.T[:, :, None]
     middle = fundamental_forms(patches, u, v)
     g = len(patches)
     total = np.zeros((3, g))
     for which, indices in holes.corners.by_size().values():
         corner = holes.parameters[indices]
         following = np.roll(corner, -1, axis=1)
-        centre = np.broadcast_to(holes.centres[which, None], corner.shape)
-        a, b = corner - centre, following - centre
+        center = np.broadcast_to(holes.centers[which, None], corner.shape)
+        a, b = corner - center, following - center
         doubled = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-        at = np.einsum("qk,kgsi->gsqi", TRIANGLE_POINTS, np.stack([centre, corner, following]))
+        at = np.einsum("qk,kgsi->gsqi", TRIANGLE_POINTS, np.stack([center, corner, following]))
         weight = 0.5 * doubled[:, :, None] * TRIANGLE_WEIGHTS
         at, weight = at.reshape(len(which), -1, 2), weight.reshape(len(which), -1)
         forms = fundamental_forms(BezierPatch(patches.nets[which]), at[..., 0], at[..., 1])
@@ -137,7 +137,7 @@ def hole_curvature(holes: HolePatches) -> HoleCurvature:
             total[row, which] = (value * element).sum(axis=1)
     area, mean, gaussian = total
     return HoleCurvature(
-        centres=patches.evaluate(u, v)[:, 0],
+        centers=patches.evaluate(u, v)[:, 0],
         normals=middle.normals[:, 0],
         mean=middle.mean[:, 0],
         gaussian=middle.gaussian[:, 0],
@@ -149,7 +149,7 @@ def hole_curvature(holes: HolePatches) -> HoleCurvature:
 
 
 def target_curvature(
-    closest: ClosestPointMap, points: Float[np.ndarray, "g 3"], fronts: Float[np.ndarray, "g 3"]
+    closest: ClosestPoints, points: Float[np.ndarray, "g 3"], fronts: Float[np.ndarray, "g 3"]
 ) -> tuple[Float[np.ndarray, " g"], Float[np.ndarray, " g"]]:
     """Return mean and Gaussian curvature of a target at the closest points of `points`.
 
@@ -158,7 +158,7 @@ def target_curvature(
 
     Parameters
     ----------
-    closest : ClosestPointMap
+    closest : ClosestPoints
     points : (g, 3), units
     fronts : (g, 3)
         Normals of the sheet.

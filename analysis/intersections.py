@@ -43,10 +43,10 @@ def crossing_pairs(
     if not len(pairs):
         return pairs
     normals = polygons.normals(points, tiles)
-    centres = _means(points, tiles)
-    crossed, level = _crossed(points, tiles, normals, centres, pairs, near)
+    centers = _means(points, tiles)
+    crossed, level = _crossed(points, tiles, normals, centers, pairs, near)
     coplanar = np.flatnonzero(level)
-    crossed[coplanar] = _overlap_in_plane(points, tiles, normals, centres, pairs[coplanar], near)
+    crossed[coplanar] = _overlap_in_plane(points, tiles, normals, centers, pairs[coplanar], near)
     return pairs[crossed]
 
 
@@ -77,17 +77,17 @@ def _means(points: np.ndarray, tiles: Loops) -> np.ndarray:
 
 
 def _crossed(
-    points: np.ndarray, tiles: Loops, normals: np.ndarray, centres: np.ndarray, pairs: np.ndarray, near: float
+    points: np.ndarray, tiles: Loops, normals: np.ndarray, centers: np.ndarray, pairs: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """For every pair: do the tiles cross along the line of their planes, and does one lie in the other's plane?"""
-    first = _heights(points, tiles, normals, centres, pairs)
-    second = _heights(points, tiles, normals, centres, pairs[:, ::-1])
+    first = _heights(points, tiles, normals, centers, pairs)
+    second = _heights(points, tiles, normals, centers, pairs[:, ::-1])
     level = (np.abs(first.extent).max(axis=1) <= near) | (np.abs(second.extent).max(axis=1) <= near)
     both = (np.minimum(-first.extent[:, 0], first.extent[:, 1]) > near) & (
         np.minimum(-second.extent[:, 0], second.extent[:, 1]) > near
     )
     line = polygons.unit(np.cross(normals[pairs[:, 0]], normals[pairs[:, 1]]))
-    chords = [side.chords(points, tiles, centres[pairs[:, 0]], line, both) for side in (first, second)]
+    chords = [side.chords(points, tiles, centers[pairs[:, 0]], line, both) for side in (first, second)]
     crossed = np.zeros(len(pairs), bool)
     for pair in np.flatnonzero(both).tolist():
         # a convex tile has one chord on the line, a concave one may have several
@@ -126,21 +126,21 @@ class _Heights:
         return {int(p): ordered[f : f + c] for p, f, c in zip(pairs, first, count, strict=True)}
 
 
-def _heights(points: np.ndarray, tiles: Loops, normals: np.ndarray, centres: np.ndarray, pairs: np.ndarray) -> _Heights:
+def _heights(points: np.ndarray, tiles: Loops, normals: np.ndarray, centers: np.ndarray, pairs: np.ndarray) -> _Heights:
     sizes = tiles.sizes[pairs[:, 0]]
     owner = np.repeat(np.arange(len(pairs)), sizes)
     begin = np.cumsum(sizes) - sizes
     position = tiles.offsets[pairs[owner, 0]] + np.arange(len(owner)) - begin[owner]
     other = pairs[owner, 1]
-    normal, centre = normals[other], centres[other]
-    start = np.einsum("ei,ei->e", points[tiles.indices[position]] - centre, normal)
-    end = np.einsum("ei,ei->e", points[tiles.successors[position]] - centre, normal)
+    normal, center = normals[other], centers[other]
+    start = np.einsum("ei,ei->e", points[tiles.indices[position]] - center, normal)
+    end = np.einsum("ei,ei->e", points[tiles.successors[position]] - center, normal)
     extent = np.stack([np.minimum.reduceat(start, begin), np.maximum.reduceat(start, begin)], axis=1)
     return _Heights(owner, position, start, end, extent)
 
 
 def _overlap_in_plane(
-    points: np.ndarray, tiles: Loops, normals: np.ndarray, centres: np.ndarray, pairs: np.ndarray, near: float
+    points: np.ndarray, tiles: Loops, normals: np.ndarray, centers: np.ndarray, pairs: np.ndarray, near: float
 ) -> np.ndarray:
     """Do the two coplanar tiles of every pair overlap by more than a strip of width `near`?"""
     first, second = polygons.frames(normals[pairs[:, 1]])
@@ -150,7 +150,7 @@ def _overlap_in_plane(
         for size in np.unique(tiles.sizes[tile]):
             which = np.flatnonzero(tiles.sizes[tile] == size)
             corner = points[tiles.indices[tiles.offsets[tile[which], None] + np.arange(size)]]
-            corner = corner - centres[pairs[which, 1], None]
+            corner = corner - centers[pairs[which, 1], None]
             u, v = (np.einsum("gki,gi->gk", corner, axis[which]) for axis in (first, second))
             result[which] = shapely.polygons(np.stack([u, v], axis=2))
         return shapely.make_valid(result)

@@ -104,18 +104,18 @@ def measure(
     local = points - middle
     patches = hole_patches(local, tessellation)
     curvature = hole_curvature(patches)
-    centres = curvature.centres + middle
+    centers = curvature.centers + middle
     groups = {
         "vertex": _vertex_fields(tessellation, points, flat, closest, length),
         "tile": _tile_fields(tessellation, local, flat, length),
-        "hole": _hole_fields(tessellation, local, curvature, centres, closest)
+        "hole": _hole_fields(tessellation, local, curvature, centers, closest)
         | {"flag": patches.ill_conditioned.astype(np.int64)},
     }
     fields = {(where, name): frozen(v, v.dtype) for where, group in groups.items() for name, v in group.items()}
     numbers = _numbers(groups, patches, curvature, surface, length)
     return Measures(
         fields=MappingProxyType(fields),
-        tables=MappingProxyType({"holes": hole_rows(centres, groups["hole"]), "numbers": number_rows(numbers)}),
+        tables=MappingProxyType({"holes": hole_rows(centers, groups["hole"]), "numbers": number_rows(numbers)}),
         numbers=MappingProxyType(numbers),
     )
 
@@ -153,10 +153,10 @@ def _hole_fields(
     tessellation: Tessellation,
     local: np.ndarray,
     curvature: HoleCurvature,
-    centres: np.ndarray,
+    centers: np.ndarray,
     closest: ClosestPoints,
 ) -> Fields:
-    mean, gaussian = target_curvature(closest, centres, curvature.normals)
+    mean, gaussian = target_curvature(closest, centers, curvature.normals)
     return {
         "mean_curvature": curvature.mean,
         "gaussian_curvature": curvature.gaussian,

@@ -22,7 +22,7 @@ class DesignedOpenings:
         Deployed tile angles round an opening with m sides minus (m + 2) pi (8 pi for a hexagon).
     gaps : (o,), units
         Distance from the end to the beginning of the chain of its m sides, with deployed lengths, turned by
-        the angles that the tiles leave free.
+        the angles that the tiles leave free; the largest over the corners at which the chain can begin.
     area : float, squared units
         Of all of them together, contracted.
     vertices : (o,)
@@ -50,8 +50,11 @@ def find_openings(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) 
         at = filled[tessellation.weld[end[loop]]]
         angle.append(float(at.sum() - (len(loop) + 2) * np.pi))
         # with the tiles on the left, the side turns at a corner by pi minus the filled angle
-        heading = np.r_[0.0, np.cumsum(np.pi - at)[:-1]]
-        gaps.append(float(np.abs((lengths[loop] * np.exp(1j * heading)).sum())))
+        turns = np.cumsum(np.pi - at)
+        sides = lengths[loop] * np.exp(1j * np.r_[0.0, turns[:-1]])
+        # begun at side k, the sides before it come last, turned by the whole turn
+        before = np.r_[0.0, np.cumsum(sides)[:-1]]
+        gaps.append(float(np.abs(sides.sum() - before + np.exp(1j * turns[-1]) * before).max()))
         area += abs(_signed_area(tessellation.contracted[start[loop]]))
     first = np.array([start[loop[0]] for loop in loops], np.int64)
     return DesignedOpenings(np.array(angle, float), np.array(gaps, float), area, first)

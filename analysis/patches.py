@@ -18,8 +18,9 @@ SMOOTHING = 1e-3
 FEWEST = 9
 """Vertices that a patch needs."""
 
-LARGEST_CONDITION = 200.0
-"""Condition number, of the six quadratic monomials at a hole's vertices, above which curvature is not determined."""
+LARGEST_CONDITION = 50.0
+"""Condition number of the six quadratic monomials at a hole's vertices above which they do not determine its
+curvature; a regular hole has about 5."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,7 @@ class HolePatches:
         Holes with their own numbering: loop h lists rows of `parameters`.
     parameters : (s, 2)
         (u, v) of every hole corner.
-    centres : (g, 2)
+    centers : (g, 2)
         (u, v) of the mean of the hole's corners.
     ill_conditioned : (g,) bool
         The vertices do not determine the curvature: too few, nearly on a conic, or a tile stands across.
@@ -83,7 +84,7 @@ class HolePatches:
     patches: BezierPatch
     corners: Loops
     parameters: Float[np.ndarray, "s 2"]
-    centres: Float[np.ndarray, "g 2"]
+    centers: Float[np.ndarray, "g 2"]
     ill_conditioned: Bool[np.ndarray, " g"]
     residuals: Float[np.ndarray, " g"]
 
@@ -132,8 +133,8 @@ def hole_patches(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) -
     owners = around.owners
     counts = np.maximum(around.sizes, 1)
     local = points[around.indices]
-    centre = np.stack([np.bincount(owners, local[:, i], g) for i in range(3)], axis=1) / counts[:, None]
-    local = local - centre[owners]
+    center = np.stack([np.bincount(owners, local[:, i], g) for i in range(3)], axis=1) / counts[:, None]
+    local = local - center[owners]
 
     fronts = polygons.area_vectors(points, tessellation.tiles)
     ring = tessellation.hole_tiles
@@ -170,10 +171,10 @@ def hole_patches(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) -
     corners = parameters[place]
     middle = np.stack([np.bincount(holes.owners, corners[:, i], g) for i in range(2)], axis=1)
     return HolePatches(
-        patches=BezierPatch(nets + centre[:, None, None]),
+        patches=BezierPatch(nets + center[:, None, None]),
         corners=Loops(holes.offsets, np.arange(len(place))),
         parameters=corners,
-        centres=middle / np.maximum(holes.sizes, 1)[:, None],
+        centers=middle / np.maximum(holes.sizes, 1)[:, None],
         ill_conditioned=(around.sizes < FEWEST) | (conditions(parameters, rows) > LARGEST_CONDITION) | (steepest < 0.2),
         residuals=residual,
     )

@@ -135,10 +135,10 @@ def count_pieces(tiles: Loops) -> int:
 def hole_fans(
     points: Float[np.ndarray, "n 3"], holes: Loops
 ) -> tuple[Float[np.ndarray, "m 3"], Int[np.ndarray, "k 3"]]:
-    """Return the points with the centre of every hole appended, and triangles from the centres to the holes' sides."""
+    """Return the points with the center of every hole appended, and triangles from the centers to the holes' sides."""
     sizes = np.maximum(holes.sizes, 1)
-    centres = np.stack([np.bincount(holes.owners, points[holes.indices, i], len(holes)) for i in range(3)], axis=1)
-    every = np.concatenate([points, centres / sizes[:, None]])
+    centers = np.stack([np.bincount(holes.owners, points[holes.indices, i], len(holes)) for i in range(3)], axis=1)
+    every = np.concatenate([points, centers / sizes[:, None]])
     return every, np.stack([len(points) + holes.owners, holes.indices, holes.successors], axis=1)
 
 

@@ -27,16 +27,16 @@ HOLE_COLUMNS = (
 """Columns of curvature.csv."""
 
 
-def hole_rows(centres: Float[np.ndarray, "g 3"], fields: Mapping[str, np.ndarray]) -> list[dict]:
+def hole_rows(centers: Float[np.ndarray, "g 3"], fields: Mapping[str, np.ndarray]) -> list[dict]:
     """Return a row per hole with the columns of `HOLE_COLUMNS`.
 
     Parameters
     ----------
-    centres : (g, 3), units
+    centers : (g, 3), units
     fields : mapping of str to (g,) array
         The hole fields of :class:`analysis.measures.Measures`.
     """
-    columns = {"hole": np.arange(len(centres))} | dict(zip("xyz", centres.T, strict=True)) | dict(fields)
+    columns = {"hole": np.arange(len(centers))} | dict(zip("xyz", centers.T, strict=True)) | dict(fields)
     return [
         dict(zip(HOLE_COLUMNS, values, strict=True))
         for values in zip(*(columns[name].tolist() for name in HOLE_COLUMNS), strict=True)

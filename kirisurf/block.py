@@ -7,12 +7,13 @@ like the old ones. A block has g groups of r rows; every group depends on the p 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float, Int
 
 
+@runtime_checkable
 class Block(Protocol):
     """Rows on vertex stencils.
 

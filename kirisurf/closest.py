@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import igl
 import numpy as np
@@ -14,6 +14,7 @@ from kirisurf.shape_operator import vertex_shape_operators
 from kirisurf.surface import Surface
 
 
+@runtime_checkable
 class ClosestPointMap(Protocol):
     """Anything that projects points on a target."""
 

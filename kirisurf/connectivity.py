@@ -62,8 +62,33 @@ def pieces_of_faces(faces: Int[np.ndarray, "f 3"], n: int) -> Int[np.ndarray, " 
 
 def fans_per_vertex(faces: Int[np.ndarray, "f 3"], edges: Edges, n: int) -> Int[np.ndarray, " n"]:
     """Count the fans of faces round every vertex, (n,): corners joined where their faces share an edge there."""
+    _, one = np.unique(_fan_of_corner(faces, edges), return_index=True)
+    return np.bincount(faces.ravel()[one], minlength=n)
+
+
+def separated_fans(faces: Int[np.ndarray, "f 3"], n: int) -> tuple[Int[np.ndarray, "f 3"], Int[np.ndarray, " m"]]:
+    """Give every fan of faces a vertex of its own.
+
+    Returns
+    -------
+    faces : (f, 3)
+        Indices of the new vertices.
+    origins : (m,)
+        The old vertex (of n) that each new one is a copy of, in rising order.
+    """
+    fan = _fan_of_corner(faces, Edges.of(faces, n))
+    _, one, fan = np.unique(fan, return_index=True, return_inverse=True)
+    origins = faces.ravel()[one]
+    order = np.argsort(origins, kind="stable")
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    return rank[fan].reshape(-1, 3), origins[order]
+
+
+def _fan_of_corner(faces: np.ndarray, edges: Edges) -> np.ndarray:
+    """Number of the fan that every corner belongs to, (3f,)."""
     if not len(faces):
-        return np.zeros(n, np.int64)
+        return np.zeros(0, np.int64)
     first, second = edges.pairs.T
     start = faces.ravel()
     following = np.arange(faces.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()  # corner at the end of a side
@@ -72,9 +97,7 @@ def fans_per_vertex(faces: Int[np.ndarray, "f 3"], edges: Edges, n: int) -> Int[
     there_start = np.where(same_way, second, following[second])
     there_end = np.where(same_way, following[second], second)
     rows, columns = np.concatenate([first, following[first]]), np.concatenate([there_start, there_end])
-    label = _components(rows, columns, faces.size)
-    _, one = np.unique(label, return_index=True)
-    return np.bincount(start[one], minlength=n)
+    return _components(rows, columns, faces.size)
 
 
 def orientation(edges: Edges, n_faces: int) -> tuple[bool, Bool[np.ndarray, " f"]]:

@@ -16,12 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from kirisurf.arrays import frozen
 from kirisurf.fit import Step
 from kirisurf.loops import Loops
 from kirisurf.origin import moved, round_origin
 from kirisurf.pipeline import FitResult, fit_surface
-from kirisurf.runs.table import CENTER
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
 from kirisurf.surface import Surface
@@ -33,7 +31,7 @@ if TYPE_CHECKING:
 
     from analysis.certificate import Certificate
     from analysis.measures import Measures
-    from kirisurf.runs import Run
+    from kirisurf.runs import Run, RunFolder
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,11 +121,9 @@ class Design:
 
     def fields(self, where: str) -> Mapping[str, np.ndarray]:
         """Return the named fields of vertex, tile or hole."""
-        found = {name: values for (place, name), values in self.measures.fields.items() if place == where}
-        if where == "hole":
-            rows = self.measures.tables["holes"]
-            found[CENTER] = frozen(np.array([[row[axis] for axis in "xyz"] for row in rows]).reshape(-1, 3))
-        return found
+        from kirisurf.judging import named_fields
+
+        return named_fields(self.measures, where)
 
     def save(self, folder: str | os.PathLike[str], *, overwrite: bool = False, pictures: bool = True) -> Run:
         """Write the run folder and return it as it reads back.
@@ -148,10 +144,21 @@ class Design:
             Where it cannot be written; it is then as it was.
         """
         from kirisurf.runs import RunFolder
-        from kirisurf.saving import save
 
         with RunFolder(folder, overwrite) as opened:
-            return save(self, opened, pictures=pictures)
+            return self.save_into(opened, pictures=pictures)
+
+    def save_into(
+        self, folder: RunFolder, *, pictures: bool = True, stage: Callable[[str], None] = lambda name: None
+    ) -> Run:
+        """Write into a run folder that is open, and commit it; `stage` receives the name of what is done next."""
+        from kirisurf.saving import Finished, save
+
+        stage("measuring")
+        began = time.perf_counter()
+        finished = Finished(self.spec, self.result, self.origin, self.measures)
+        seconds = time.perf_counter() - began
+        return save(finished, folder, pictures=pictures, measure_seconds=seconds, stage=stage)
 
     def _polydata(self, points: np.ndarray, loops: Loops, at_points: str, at_cells: str) -> pyvista.PolyData:
         from kirisurf.formats import to_polydata

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirisurf.arrays import frozen
 from kirisurf.errors import ParameterError
 from kirisurf.formats import read_polygons
 from kirisurf.loops import Loops
 from kirisurf.origin import moved
+from kirisurf.runs.table import CENTER
 from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
 from kirisurf.targets import load
@@ -61,6 +63,15 @@ def measured(tessellation: Tessellation, deployed: np.ndarray, contracted: np.nd
     from analysis.measures import measure
 
     return measure(tessellation, deployed, contracted, surface)
+
+
+def named_fields(measures: Measures, where: str) -> dict[str, np.ndarray]:
+    """Return the fields of vertex, tile or hole by name; holes have their centers (h, 3) among them."""
+    found = {name: values for (place, name), values in measures.fields.items() if place == where}
+    if where == "hole":
+        rows = measures.tables["holes"]
+        found[CENTER] = frozen(np.array([[row[axis] for axis in "xyz"] for row in rows]).reshape(-1, 3))
+    return found
 
 
 def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 
 from kirisurf.arrays import frozen
-from kirisurf.closest import ClosestPoints
+from kirisurf.continuation import Continuation
 from kirisurf.contract import contract
 from kirisurf.fit import Contracted, Fit, Step
 from kirisurf.formulation import Formulation, Weights
-from kirisurf.scaling import Scaled, unit_scale
+from kirisurf.problem import Problem
+from kirisurf.scaling import unit_scale
 from kirisurf.solvers.choice import make_solver
-from kirisurf.solvers.outcome import Limits, Outcome
+from kirisurf.solvers.outcome import Limits
 from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
-from kirisurf.status import Status
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.topology import require_disk
+
+
+EDGE_MARGIN = 1.05
+"""The smallest edge is asked over the start's median edge; the finished sheet's may be a little larger."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +103,20 @@ def fit_surface(
         max_steps=spec.max_steps if spec.max_steps is not None else Limits.max_steps,
         max_seconds=spec.max_seconds if spec.max_seconds is not None else Limits.max_seconds,
     )
-    outcome, note = _solve(start.tessellation, frame.into(start.points), scaled, spec, limits, progress, should_stop)
+
+    def formulate(reference: np.ndarray, weights: Weights) -> Callable[[np.ndarray], Problem]:
+        return Formulation(
+            start.tessellation,
+            reference,
+            scaled,
+            weights,
+            exact=spec.closeness == "exact",
+            margin=float(np.sin(np.radians(spec.min_angle))),
+            smallest_edge=EDGE_MARGIN * spec.min_edge,
+        ).problem_at
+
+    continuation = Continuation(partial(make_solver, spec.solver), limits, in_stages=spec.max_steps is None)
+    outcome, note = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
     solved = clock()
     points = frozen(frame.back(outcome.points))
     fit = Fit(start.tessellation, points, frame.length, outcome.status, outcome.history)
@@ -112,47 +130,3 @@ def fit_surface(
         warnings=start.warnings,
         seconds={"start": started - began, "solve": solved - started, "contract": clock() - solved},
     )
-
-
-def _solve(
-    tessellation: Tessellation,
-    start: np.ndarray,
-    target: Surface | Scaled,
-    spec: FitSpec,
-    limits: Limits,
-    progress: Callable[[Step], None] | None,
-    should_stop: Callable[[], bool] | None,
-) -> tuple[Outcome, tuple[str, ...]]:
-    """Solve, with stiffer weights where the first try does not converge; keep the best outcome."""
-    closest = target if isinstance(target, Scaled) else ClosestPoints(target)
-    exact = spec.closeness == "exact"
-    solver = make_solver(spec.solver, limits)
-    best: Outcome | None = None
-    began = time.perf_counter()
-    for attempt, weights in enumerate((Weights(), Weights(fairness=1e-1, proximity=1e-1), Weights(closeness=0.1))):
-        formulation = Formulation(
-            tessellation,
-            start,
-            closest,
-            weights,
-            exact=exact,
-            margin=float(np.sin(np.radians(spec.min_angle))),
-            smallest_edge=1.05 * spec.min_edge,
-        )
-        problem = formulation.problem_at(start)
-        outcome = solver.solve(problem, start, formulation.problem_at, progress, should_stop)
-        if best is None or _worst(outcome) < _worst(best):
-            best = outcome
-        if outcome.status in (Status.CONVERGED, Status.INTERRUPTED, Status.TIME_LIMIT) or spec.max_steps is not None:
-            if attempt and outcome.status is Status.CONVERGED:
-                return outcome, (f"Solve: converged at try {attempt + 1}, with a stiffer sheet (weights {weights}).",)
-            return outcome, ()
-        left = limits.max_seconds - (time.perf_counter() - began)
-        solver = make_solver(spec.solver, replace(limits, max_seconds=left))
-    assert best is not None
-    return best, ()
-
-
-def _worst(outcome: Outcome) -> float:
-    """Smallest largest violation along the history: that of the point that was kept."""
-    return min((max(step.residuals.values(), default=0.0) for step in outcome.history), default=np.inf)

@@ -77,19 +77,22 @@ def draw_pictures(drawn: Sheet, folder: Path, names: Sequence[str] = PICTURES) -
     """
     from viewers.opengl import probe
     from viewers.scenes import standard_scenes
-    from viewers.snapshot import render, render_overview
+    from viewers.snapshot import NoOpenGLError, render, render_overview
 
     answer = probe()
     if not answer.available:
         return {}, answer.reason
     scenes = standard_scenes(drawn)
-    pictures = {}
-    for name in names:
-        path = folder / f"{name}.png"
-        if name == "overview":
-            pictures[name] = render_overview(scenes, path)
-        elif name in scenes:
-            pictures[name] = render(scenes[name], path)
+    pictures: dict[str, Path] = {}
+    try:
+        for name in names:
+            path = folder / f"{name}.png"
+            if name == "overview":
+                pictures[name] = render_overview(scenes, path)
+            elif name in scenes:
+                pictures[name] = render(scenes[name], path)
+    except NoOpenGLError as problem:
+        return pictures, str(problem)
     return pictures, ""
 
 

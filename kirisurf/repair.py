@@ -13,8 +13,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
+from kirisurf.connectivity import separated_fans
 from kirisurf.errors import ParameterError, UnusableError
+from kirisurf.filling import part, with_pinched_holes_filled
 from kirisurf.formats import child
 from kirisurf.formats.cleaning import unmerged_surface
 from kirisurf.formats.polygons import counted
@@ -75,12 +78,14 @@ def repaired_with_notes(
     ]
     if before.cracks:
         filters.append(["meshing_snap_mismatched_borders", {"edgedistratio": 0.01, "unifyvertices": True}])
+        filters.append(["meshing_merge_close_vertices", {"threshold": {"length": _NEAR}}])
     filters += [
         ["meshing_repair_non_manifold_edges", {"method": "Remove Faces"}],
-        ["meshing_repair_non_manifold_vertices", {"vertdispratio": 0.0}],
         ["meshing_remove_unreferenced_vertices", {}],
     ]
     cleaned = _filtered(surface, filters, seconds, "repair")
+    faces, origins = separated_fans(cleaned.faces, len(cleaned.vertices))
+    cleaned = Surface.from_arrays(cleaned.vertices[origins], faces, surface.name, surface.smooth)
     after = examine(cleaned)
     notes += _differences(before, after)
     if keep_largest and len(after.component_sizes) > 1:
@@ -138,9 +143,7 @@ def remeshed(
         target_edge_length = float(np.sqrt(surface.area / (equilateral * given)))
     wanted = surface.area / (equilateral * target_edge_length**2)
     if wanted > _MOST_FACES:
-        raise ParameterError(
-            f"expected at most {_MOST_FACES} faces after remeshing, got {wanted:.2g}"
-        )
+        raise ParameterError(f"expected at most {_MOST_FACES} faces after remeshing, got {wanted:.2g}")
     size = _size(surface.vertices)
     parameters = {"targetlen": {"length": target_edge_length / size}, "iterations": 10, "checksurfdist": False}
     found = _filtered(surface, [["meshing_isotropic_explicit_remeshing", parameters]], seconds, "remeshing")
@@ -176,6 +179,14 @@ def decimated(surface: Surface, n_faces: int, *, seconds: int | float = SECONDS)
 
 
 def _filtered(surface: Surface, filters: list, seconds: int | float, what: str) -> Surface:
+    """Run the filters; vertices in one place are not merged: they may have been separated on purpose."""
+    cleaned, _ = unmerged_surface(*_filtered_arrays(surface, filters, seconds, what), surface.name)
+    return Surface(cleaned.vertices, cleaned.faces, surface.name, surface.smooth)
+
+
+def _filtered_arrays(
+    surface: Surface, filters: list, seconds: int | float, what: str
+) -> tuple[Float[np.ndarray, "v 3"], Loops]:
     """Run the filters on the surface, scaled to unit size, in a child process."""
     if importlib.util.find_spec("pymeshlab") is None:
         raise ParameterError(
@@ -205,9 +216,7 @@ def _filtered(surface: Surface, filters: list, seconds: int | float, what: str) 
     if not len(faces):
         raise UnusableError(f"{name}: expected {what} to leave faces, got none")
     loops = Loops(np.arange(0, 3 * len(faces) + 1, 3), faces.astype(np.int64).ravel())
-    # Not merged again: vertices in one place may have been separated on purpose.
-    cleaned, _ = unmerged_surface(vertices * size + middle, loops, name)
-    return Surface(cleaned.vertices, cleaned.faces, name, surface.smooth)
+    return vertices * size + middle, loops
 
 
 def _check_kept(before: Surface, after: Surface, what: str) -> None:
@@ -233,14 +242,7 @@ def _size(vertices: np.ndarray) -> float:
 
 def _largest_piece(surface: Surface) -> tuple[Surface, float]:
     largest = face_components(surface) == 0
-    return _part(surface, largest), float(surface.face_areas[largest].sum() / surface.area)
-
-
-def _part(surface: Surface, chosen: np.ndarray) -> Surface:
-    """Return the chosen faces with the vertices that they use."""
-    faces = surface.faces[chosen]
-    used = np.bincount(faces.ravel(), minlength=len(surface.vertices)) > 0
-    return Surface.from_arrays(surface.vertices[used], (np.cumsum(used) - 1)[faces], surface.name, surface.smooth)
+    return part(surface, largest), float(surface.face_areas[largest].sum() / surface.area)
 
 
 def _with_holes_filled(surface: Surface, seconds: int | float) -> Surface:
@@ -249,6 +251,9 @@ def _with_holes_filled(surface: Surface, seconds: int | float) -> Surface:
     MeshLab chooses holes by their number of edges only, so the outline is closed with a cone for the
     time being: it is no hole then, and the cone goes again with its tip.
     """
+    surface = with_pinched_holes_filled(surface)
+    if len(surface.boundary_loops) < 2:
+        return surface
     outline = surface.boundary_loops[0]
     rim = surface.vertices[outline]
     tip = rim.mean(axis=0) + np.array([0.0, 0.0, 2.0 * surface.diagonal])
@@ -257,11 +262,10 @@ def _with_holes_filled(surface: Surface, seconds: int | float) -> Surface:
     coned = Surface.from_arrays(
         np.vstack([surface.vertices, tip]), np.vstack([surface.faces, cone]), surface.name, surface.smooth
     )
-    most = max(len(loop) for loop in surface.boundary_loops[1:])
-    parameters = {"maxholesize": int(most) + 1, "selfintersection": False, "newfaceselected": False}
+    parameters = {"maxholesize": len(surface.boundary_edges) + 1, "selfintersection": False, "newfaceselected": False}
     filled = _filtered(coned, [["meshing_close_holes", parameters]], seconds, "filling of holes")
     at = int(np.argmin(np.linalg.norm(filled.vertices - tip, axis=1)))
-    return _part(filled, (filled.faces != at).all(axis=1))
+    return part(filled, (filled.faces != at).all(axis=1))
 
 
 def _differences(before: TopologyReport, after: TopologyReport) -> list[str]:

@@ -7,22 +7,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from jaxtyping import Float
 
 from kirisurf.cuts import Cuts, cuts
-from kirisurf.design import Design
 from kirisurf.errors import ParameterError
 from kirisurf.formats import read_polygons, write_obj, write_vtp
 from kirisurf.formats.atomic import write_text
-from kirisurf.judging import certified
+from kirisurf.judging import certified, named_fields
 from kirisurf.loops import Loops
+from kirisurf.pipeline import FitResult
 from kirisurf.runs import Run, RunFolder, read_run
 from kirisurf.runs.record import SECONDS, write_record
 from kirisurf.runs.run import CELL, SPEC, STANDARD_CONTRACTED, STANDARD_DEPLOYED, WELD
 from kirisurf.runs.table import curvature_csv
+from kirisurf.spec import FitSpec
 from kirisurf.status import Status
 from kirisurf.surface import Surface
 from kirisurf.svg import svg_text
@@ -33,22 +36,58 @@ if TYPE_CHECKING:
 _WARNED = 1
 
 
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """What a run folder is written from.
+
+    Attributes
+    ----------
+    spec : FitSpec
+    result : FitResult
+    origin : (3,)
+        Origin of all points in the frame of the target.
+    measures : Measures
+    """
+
+    spec: FitSpec
+    result: FitResult
+    origin: Float[np.ndarray, " 3"]
+    measures: Any  # analysis.measures.Measures: not imported here
+
+    @property
+    def points(self) -> np.ndarray:
+        """Deployed points (n, 3)."""
+        return self.result.fit.points
+
+    @property
+    def flat(self) -> np.ndarray:
+        """Contracted points (n, 2)."""
+        return self.result.contracted.points
+
+    def fields(self, where: str) -> dict[str, np.ndarray]:
+        """Return the named fields of vertex, tile or hole."""
+        return named_fields(self.measures, where)
+
+
 def save(
-    design: Design,
+    design: Finished,
     folder: RunFolder,
     *,
     pictures: bool = True,
+    measure_seconds: float = 0.0,
     stage: Callable[[str], None] = lambda name: None,
 ) -> Run:
     """Write a design into an open run folder and commit it.
 
     Parameters
     ----------
-    design : Design
+    design : Finished
     folder : RunFolder
         Entered; it is committed here.
     pictures : bool
         Draw pictures, where OpenGL works.
+    measure_seconds : float
+        Time that measuring took, for the record.
     stage : callable
         Receives the name of what is done next.
 
@@ -59,12 +98,12 @@ def save(
     """
     began = time.perf_counter()
     to = folder.staging
-    stage("measuring")
+    stage("certifying")
     lines, warnings = _cut_lines(design)
-    warnings = [*design.warnings, *warnings]
+    warnings = [*design.result.warnings, *warnings]
     _write_data(design, lines, to)
     certificate = _certificate_of_files(design, to)
-    status = design.status
+    status = design.result.fit.status
     if status is Status.CONVERGED and not certificate.passed:
         status = Status.NOT_CERTIFIED
     analysed = time.perf_counter()
@@ -73,7 +112,7 @@ def save(
     result = _result(design, certificate, status, lines)
     warnings += _publish(design, {**result, "warnings": warnings}, to, pictures)
     seconds = {**dict.fromkeys(SECONDS, 0.0), **design.result.seconds}
-    seconds |= {"analyse": analysed - began, "draw": time.perf_counter() - analysed}
+    seconds |= {"analyse": measure_seconds + analysed - began, "draw": time.perf_counter() - analysed}
     seconds["total"] = sum(seconds[name] for name in SECONDS if name != "total")
     code = status.exit_code or (_WARNED if warnings else 0)
     write_record(to, {**result, "exit_code": code, "warnings": warnings, "seconds": seconds})
@@ -81,19 +120,19 @@ def save(
     return read_run(folder.path)
 
 
-def _cut_lines(design: Design) -> tuple[Cuts, list[str]]:
+def _cut_lines(design: Finished) -> tuple[Cuts, list[str]]:
     """The cut lines; a hinge width that does not fit is replaced and said, for the solve must not be lost to it."""
     try:
-        return cuts(design.tessellation, design.contracted_points, design.spec.hinge_width), []
+        return cuts(design.result.tessellation, design.flat, design.spec.hinge_width), []
     except ParameterError as problem:
-        lines = cuts(design.tessellation, design.contracted_points)
+        lines = cuts(design.result.tessellation, design.flat)
         return lines, [f"{problem}. pattern.svg was drawn with hinges of {lines.hinge_width:.6g} instead."]
 
 
-def _write_data(design: Design, lines: Cuts, to: Path) -> None:
+def _write_data(design: Finished, lines: Cuts, to: Path) -> None:
     """Write every file that holds numbers."""
-    tessellation, surface = design.tessellation, design.surface
-    points, flat, tiles = design.deployed_points, design.contracted_points, tessellation.tiles
+    tessellation, surface = design.result.tessellation, design.result.surface
+    points, flat, tiles = design.points, design.flat, tessellation.tiles
     write_text(to / SPEC, design.spec.to_toml())
     comments = _comments(design)
     write_obj(to / "deployed.obj", points, tiles, ["kirisurf: deployed state", *comments])
@@ -114,7 +153,7 @@ def _write_data(design: Design, lines: Cuts, to: Path) -> None:
     write_text(to / "pattern.svg", svg_text(lines, design.spec.units, f"{surface.name}: cut pattern"))
 
 
-def _comments(design: Design) -> list[str]:
+def _comments(design: Finished) -> list[str]:
     unit = design.spec.units or "those of the target"
     lines = [f"units: {unit}"]
     if np.any(design.origin):
@@ -123,18 +162,18 @@ def _comments(design: Design) -> list[str]:
     return lines
 
 
-def _certificate_of_files(design: Design, folder: Path) -> Certificate:
+def _certificate_of_files(design: Finished, folder: Path) -> Certificate:
     """Certify what was written, not what was meant to be written."""
     deployed, tiles = read_polygons(folder / "deployed.obj")
     contracted, _ = read_polygons(folder / "contracted.obj")
     # Before convergence the copies of a vertex do not coincide: without the welding, every row would only say that.
-    weld = None if design.status is Status.CONVERGED else design.tessellation.weld
-    return certified(design.spec, deployed, contracted, tiles, design.surface, weld)
+    weld = None if design.result.fit.status is Status.CONVERGED else design.result.tessellation.weld
+    return certified(design.spec, deployed, contracted, tiles, design.result.surface, weld)
 
 
-def _result(design: Design, certificate: Certificate, status: Status, lines: Cuts) -> dict[str, Any]:
+def _result(design: Finished, certificate: Certificate, status: Status, lines: Cuts) -> dict[str, Any]:
     """The record, but for what is known last: exit code, warnings, seconds, hashes."""
-    fit, surface, tessellation = design.result.fit, design.surface, design.tessellation
+    fit, surface, tessellation = design.result.fit, design.result.surface, design.result.tessellation
     failures = " ".join(f"{sentence}." for sentence in certificate.failures)
     return {
         "status": status.name,
@@ -160,19 +199,21 @@ def _result(design: Design, certificate: Certificate, status: Status, lines: Cut
         "units": design.spec.units or "mm (assumed)",
         "origin": design.origin,
         "target": _described(surface),
-        "notes": list(design.notes),
+        "notes": list(design.result.notes),
     }
 
 
-def _publish(design: Design, result: Mapping[str, Any], to: Path, pictures: bool) -> list[str]:
+def _publish(design: Finished, result: Mapping[str, Any], to: Path, pictures: bool) -> list[str]:
     """Draw the pictures and write the report; return why there are no pictures, where that needs reading."""
     from kirisurf.publishing import REPORT, draw_pictures, report_parts, sheet, write_report
 
-    tessellation, points, flat = design.tessellation, design.deployed_points, design.contracted_points
+    tessellation, points, flat = design.result.tessellation, design.points, design.flat
     fields = {(where, name): v for where in ("vertex", "tile", "hole") for name, v in design.fields(where).items()}
-    drawn, reason, warnings = {}, "Pictures were not asked for.", []
+    drawn: dict[str, Path] = {}
+    reason = "Pictures were not asked for."
+    warnings: list[str] = []
     if pictures:
-        shown = sheet(tessellation, points, flat, design.surface, fields, design.spec.units)
+        shown = sheet(tessellation, points, flat, design.result.surface, fields, design.spec.units)
         drawn, reason = draw_pictures(shown, to)
         warnings = [reason] if reason else []
     parts = report_parts(result, flat, fields, drawn, reason)

@@ -8,7 +8,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, no_type_check
 
 from kirisurf.errors import ParameterError
 
@@ -24,6 +24,8 @@ _LATER_TESSELLATIONS = TESSELLATIONS[1:]
 _LATER_INITIALS = ("rescaled", "teichmuller")
 
 
+# No checks of the hints: values arrive unchecked from TOML and callers, and __post_init__ is what checks them.
+@no_type_check
 @dataclass(frozen=True)
 class FitSpec:
     """Every input of a fit.

@@ -104,7 +104,9 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
         if spec.units is None and sample.units in UNITS:
             values["units"] = sample.units
         return spec.changed(**values)
-    return spec.changed(target=os.path.abspath(os.path.join(folder or Path.cwd(), spec.target)))
+    path = os.path.abspath(os.path.join(folder or Path.cwd(), spec.target))
+    # A bare name that is no file may be a sample's name with a typo: it is kept for the message.
+    return spec if not is_file_name(spec.target) and not os.path.exists(path) else spec.changed(target=path)
 
 
 def load_with_notes(target: str, resolution: int | None = None) -> tuple[Surface, tuple[str, ...]]:
@@ -140,7 +142,7 @@ def prepared(surface: Surface, spec: FitSpec) -> tuple[Surface, tuple[str, ...]]
         return surface, ()
     from kirisurf.repair import remeshed, repaired_with_notes
 
-    notes = []
+    notes: list[str] = []
     if spec.repair:
         surface, done = repaired_with_notes(surface)
         notes += done or ("The target needed no repair.",)

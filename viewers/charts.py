@@ -58,6 +58,10 @@ def residual_history(history: Sequence[Mapping[str, float]], tolerance: float = 
         lowest = 1e-17
         for k, block in enumerate(blocks):
             values = np.array([float(step.get(block, np.nan)) for step in history])
+            words = block.replace("_", " ")
+            if not (values > 0).any():
+                axes.plot([], [], color=theme.MUTED, linestyle="none", label=f"{words}: always 0")
+                continue
             # Zero has no place on a logarithmic axis: it is drawn at the floor.
             values = np.where(values <= 0, lowest, values)
             axes.semilogy(
@@ -68,7 +72,7 @@ def residual_history(history: Sequence[Mapping[str, float]], tolerance: float = 
                 linewidth=1.5,
                 marker="o",
                 markersize=2.6,
-                label=block.replace("_", " "),
+                label=words,
             )
         axes.axhline(tolerance, color=theme.MUTED, linewidth=0.9, linestyle=(0, (4, 3)))
         axes.annotate(

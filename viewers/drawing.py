@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,27 @@ if TYPE_CHECKING:
     from matplotlib.colors import ListedColormap
 
 VALUES = "values"
-# Colors of a map have to match its color bar: hardly any shading there.
-_MATTE = {"ambient": 0.36, "diffuse": 0.64, "specular": 0.0}
+# Colors of a map have to match its color bar: hardly any shading there. The target has nothing but shading.
+_SMOOTH = {"ambient": 0.27, "diffuse": 0.75, "specular": 0.0}
+_MATTE = {"ambient": 0.46, "diffuse": 0.54, "specular": 0.0}
 _MAPPED = {"ambient": 0.78, "diffuse": 0.26, "specular": 0.0}
 
 
+class Drawn(NamedTuple):
+    """An item in a plotter: its actor, and the PolyData whose points may be moved."""
+
+    actor: pyvista.Actor
+    data: pyvista.PolyData
+
+
 def cell_buffer(loops: Loops) -> np.ndarray:
-    """Return loops in VTK's flat layout [n, i, j, ..., n, i, ...]."""
+    """Return loops in VTK's flat layout [n, i, j, ..., n, i, ...].
+
+    Examples
+    --------
+    >>> cell_buffer(Loops.from_lists([[4, 5, 6], [0, 1]])).tolist()
+    [3, 4, 5, 6, 2, 0, 1]
+    """
     sizes = loops.sizes
     out = np.empty(len(loops.indices) + len(loops), np.int64)
     heads = loops.offsets[:-1] + np.arange(len(loops))
@@ -60,8 +74,8 @@ def put_values(drawn: pyvista.PolyData, field: Field) -> None:
 
 def add_item(
     plotter: pyvista.Plotter, item: Item, *, view: View | None = None, depth: float = 1.0, scale: float = 1.0
-) -> pyvista.Actor | None:
-    """Add an item; None where there is nothing to draw.
+) -> Drawn | None:
+    """Add an item and return what was added; None where there is nothing to draw.
 
     Parameters
     ----------
@@ -90,7 +104,7 @@ def add_item(
             "nan_color": theme.NO_VALUE,
         }
     if item.kind == "faces":
-        options |= _MATTE if item.field is None and item.color in (theme.TARGET, theme.TILE) else _MAPPED
+        options |= {theme.TARGET: _SMOOTH, theme.TILE: _MATTE}.get("" if item.field else item.color, _MAPPED)
         options["smooth_shading"] = item.normals is not None
     else:
         options |= {"lighting": False, "line_width": item.width * scale, "point_size": item.width * scale}
@@ -99,7 +113,7 @@ def add_item(
         actor.position = tuple(float(c) for c in np.array(view.direction) * item.layer * depth)
     else:
         _offset_depth(actor, item.layer)
-    return actor
+    return Drawn(actor, drawn)
 
 
 def colormap(field: Field) -> ListedColormap:
@@ -116,7 +130,7 @@ def add_lights(plotter: pyvista.Plotter) -> None:
     import pyvista
 
     plotter.remove_all_lights()
-    for position, intensity in (((-0.7, 0.9, 1.2), 0.95), ((0.9, 0.1, 1.0), 0.33)):
+    for position, intensity in (((-0.9, 0.9, 1.0), 0.92), ((0.9, 0.0, 1.0), 0.36)):
         light = pyvista.Light(position=position, focal_point=(0, 0, 0), light_type="camera light", intensity=intensity)
         plotter.add_light(light)
 

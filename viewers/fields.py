@@ -111,6 +111,12 @@ def describe_field(
     ------
     ParameterError
         Where `percent` is out of range or `where` is unknown.
+
+    Examples
+    --------
+    >>> field = describe_field("mean_curvature", "hole", np.array([-1.0, 0.5, 3.0]), "mm")
+    >>> field.label, field.unit, field.limits
+    ('mean curvature H', '1/mm', (-3.0, 3.0))
     """
     if where not in ("vertex", "tile", "hole"):
         raise ParameterError(f"where of field {name}: expected vertex, tile or hole, got {where!r}")
@@ -130,7 +136,13 @@ def describe_field(
 
 
 def unit_label(power: int | str, units: str) -> str:
-    """Return a unit to a power in words of a color bar: 1 -> mm, 2 -> mm^2, -1 -> 1/mm; text as it is."""
+    """Return a unit to a power as on a color bar; text as it is.
+
+    Examples
+    --------
+    >>> unit_label(-1, "mm"), unit_label(1, "mm"), unit_label("rad", "mm")
+    ('1/mm', 'mm', 'rad')
+    """
     if isinstance(power, str):
         return power
     if power == 0:
@@ -139,7 +151,7 @@ def unit_label(power: int | str, units: str) -> str:
     return text if power > 0 else f"1/{text}"
 
 
-def name_unit(units: str, length: float) -> str:
+def name_unit(units: str, length: float | int) -> str:
     """Return the unit of length after a number: the word unit gets its plural, symbols stay."""
     return "units" if units == "unit" and length != 1 else units
 

@@ -58,9 +58,9 @@ def choose_view(surface: Surface) -> View:
     """Choose the line of sight from the target's shape.
 
     The z axis stands upright. A surface that faces up or down (most of its area) is seen obliquely from
-    above, its longer side across the picture, from the lowest of three elevations that shows nearly all
-    of it from one side; a surface that faces sideways (a mask, a facade) is seen a little from the side
-    and from above.
+    above, its longer side, if it is clearly longer, across the picture, from the lowest of three elevations
+    that shows nearly all of it from one side; a surface that faces sideways (a mask, a facade) is seen a
+    little from the side and from above.
     """
     areas = surface.face_areas
     if not len(areas) or not areas.sum() > 0:
@@ -112,8 +112,14 @@ def fit_frame(view: View, points: Float[np.ndarray, "n 3"], aspect: float, margi
     return Frame((float(center[0]), float(center[1]), float(center[2])), half or 1.0, depth or 1.0)
 
 
-def round_length(length: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not longer than `length`."""
+def round_length(length: float | int) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not longer than `length`.
+
+    Examples
+    --------
+    >>> round_length(730.0)
+    500.0
+    """
     if not length > 0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(length))
@@ -130,11 +136,11 @@ def _from_south(azimuth: float) -> float:
 
 
 def _longer_axis(centers: np.ndarray, weights: np.ndarray) -> float:
-    """Azimuth in degrees of the longer horizontal extent; 0 (the x axis) where no one stands out."""
+    """Azimuth in degrees of the longer horizontal extent; 0 (the x axis) where none stands out by half."""
     flat = centers[:, :2] - weights @ centers[:, :2]
     spread = flat.T @ (weights[:, None] * flat)
     values, vectors = np.linalg.eigh(spread)
-    if values[1] < 1.3 * values[0]:
+    if values[1] < 2.4 * values[0]:
         return 0.0
     x, y = vectors[:, 1]
     return float(np.degrees(np.arctan2(y, x)))

@@ -80,7 +80,9 @@ def sheet_items(
     if holes and len(sheet.holes):
         grid = sheet.patches if np.shares_memory(points, sheet.deployed) or _same(points, sheet.deployed) else None
         items.append(hole_item(points, sheet.holes, grid, on_holes))
-    items.append(Item("tile edges", "lines", points, segments(sheet.tiles.edges), edge, layer=LINES))
+    # Lines of many small tiles would otherwise darken the colors between them.
+    width = theme.EDGE_WIDTH * min(1.0, max(0.4, (150.0 / max(len(sheet.tiles), 1)) ** 0.5))
+    items.append(Item("tile edges", "lines", points, segments(sheet.tiles.edges), edge, width=width, layer=LINES))
     return tuple(items)
 
 

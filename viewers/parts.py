@@ -47,11 +47,11 @@ class ReportParts:
     target_name: str
     units: str = "unit"
     result: Mapping[str, Any] = field(default_factory=dict)
-    certificate: Mapping[str, float | None] = field(default_factory=dict)
-    limits: Mapping[str, float] = field(default_factory=dict)
+    certificate: Mapping[str, float | int | None] = field(default_factory=dict)
+    limits: Mapping[str, float | int] = field(default_factory=dict)
     failures: tuple[str, ...] | None = None
     fields: Mapping[tuple[str, str], np.ndarray] = field(default_factory=dict)
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, float | int] = field(default_factory=dict)
     tables: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     pictures: Mapping[str, Path] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from kirisurf.errors import OutputError, ParameterError
 from viewers import charts
 from viewers.fields import unit_label
-from viewers.parts import ReportParts, certificate_rows, curvature_summary, passed, verdict
+from viewers.parts import CurvatureSummary, ReportParts, certificate_rows, curvature_summary, passed, verdict
 from viewers.words import CAPTIONS, number, row_in_words
 
 __all__ = ["Picture", "ReportParts", "comparison_html", "embed", "report_html", "write_report"]
@@ -71,7 +71,9 @@ def report_html(parts: ReportParts) -> str:
         verdict=verdict(parts),
         passed=passed(parts),
         rows=rows,
-        pictures=[embed(name, Path(file)) for name, file in _shown(parts.pictures).items()],
+        pictures=[
+            _with_share(embed(name, Path(file)), summary, parts.units) for name, file in _shown(parts.pictures).items()
+        ],
         charts=_charts(parts),
         summary=summary,
         history=_address("image/svg+xml", charts.residual_history(parts.history).encode()) if parts.history else "",
@@ -130,6 +132,21 @@ def _shown(pictures: Mapping[str, Path]) -> Mapping[str, Path]:
     """The pictures to show: the overview only where it does not repeat what stands below it."""
     single = {name: file for name, file in pictures.items() if name != "overview"}
     return single if len(single) >= 3 else pictures
+
+
+def _with_share(picture: Picture, summary: CurvatureSummary | None, units: str) -> Picture:
+    """Say beside a map of curvature how much of it is the target's and how much the fit's."""
+    if summary is None or picture.name not in ("mean_curvature", "gaussian_curvature"):
+        return picture
+    letter, power = ("H", -1) if picture.name == "mean_curvature" else ("K", -2)
+    target, difference = summary.mean if power == -1 else summary.gaussian
+    unit = unit_label(power, units)
+    share = f" ({100 * difference / target:.2g} %)" if target > 0 else ""
+    words = (
+        f"{picture.caption} In the median, |{letter}| of the target is {number(target)} {unit}; "
+        f"the holes differ from it by {number(difference)} {unit}{share}: that part is the fit."
+    )
+    return replace(picture, caption=words)
 
 
 def _address(media: str, content: bytes) -> str:

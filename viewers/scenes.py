@@ -121,6 +121,14 @@ def standard_scenes(sheet: Sheet) -> dict[str, Scene]:
     """Return the rows of the paper's Fig. 4, those that the sheet has data for, in order.
 
     Keys: target, pattern, deployed, mean_curvature, gaussian_curvature.
+
+    Examples
+    --------
+    >>> from kirisurf.pattern import quad_pattern
+    >>> pattern = quad_pattern(2, 2)
+    >>> space = np.column_stack([pattern.deployed, pattern.deployed.prod(axis=1)])
+    >>> list(standard_scenes(Sheet.from_arrays(pattern.tiles, pattern.holes, space, pattern.contracted)))
+    ['pattern', 'deployed']
     """
     view = sheet_view(sheet)
     scenes = {}

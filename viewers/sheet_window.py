@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from viewers import theme
-from viewers.drawing import add_item, add_lights, aim, plain_theme
+from viewers.drawing import Drawn, add_item, add_lights, aim, plain_theme
 from viewers.fields import Field
 from viewers.framing import fit_frame
 from viewers.items import BEHIND, Item, sheet_items, target_items
@@ -58,7 +57,7 @@ class SheetWindow:
         self.share = 1.0
         self.linked = True
         self._flat = laid_flat(sheet)
-        self._actors: dict[tuple[int, str], Any] = {}
+        self._drawn: dict[tuple[int, str], Drawn] = {}
         self._view = sheet_view(sheet)
         self.plotter = pyvista.Plotter(
             shape=(1, 2),
@@ -100,9 +99,9 @@ class SheetWindow:
         else:
             points = np.array(self._points())
             for name in _POLYGONS:
-                actor = self._actors.get((1, name))
-                if actor is not None and actor.mapper.dataset.n_points == len(points):
-                    actor.mapper.dataset.points = points
+                drawn = self._drawn.get((1, name))
+                if drawn is not None:
+                    drawn.data.points = points
         self._write_titles()
 
     def turn_together(self) -> None:
@@ -155,15 +154,15 @@ class SheetWindow:
         found = self.sheet.described(*self.coloring) if self.coloring is not None else None
         for side, points in ((0, self._flat), (1, self._points())):
             self.plotter.subplot(0, side)
-            for key in [key for key in self._actors if key[0] == side]:
-                self.plotter.remove_actor(self._actors.pop(key), render=False, reset_camera=False)
+            for key in [key for key in self._drawn if key[0] == side]:
+                self.plotter.remove_actor(self._drawn.pop(key).actor, render=False, reset_camera=False)
             items: tuple[Item, ...] = sheet_items(self.sheet, points, found)
             if side == 1 and self.sheet.target is not None:
                 items = target_items(self.sheet.target, BEHIND) + items
             for item in items:
-                actor = add_item(self.plotter, item)
-                if actor is not None:
-                    self._actors[side, item.name] = actor
+                drawn = add_item(self.plotter, item)
+                if drawn is not None:
+                    self._drawn[side, item.name] = drawn
         self._apply_shown()
         self._draw_bar(found)
         self._write_titles()
@@ -172,8 +171,8 @@ class SheetWindow:
         for part, names in _PARTS.items():
             for side in (0, 1):
                 for name in names:
-                    if (side, name) in self._actors:
-                        self._actors[side, name].visibility = self.shown[part]
+                    if (side, name) in self._drawn:
+                        self._drawn[side, name].actor.visibility = self.shown[part]
 
     def _draw_bar(self, found: Field | None) -> None:
         self.plotter.subplot(0, 1)
@@ -183,13 +182,13 @@ class SheetWindow:
             self._text(1, "bar", "", (0.0, 0.0))
             return
         name = {"hole": "holes", "tile": "tiles", "vertex": "tiles"}[found.where]
-        actor = self._actors.get((1, name))
-        if actor is not None:
+        drawn = self._drawn.get((1, name))
+        if drawn is not None:
             self.plotter.add_scalar_bar(
                 title=" ",
-                mapper=actor.mapper,
+                mapper=drawn.actor.mapper,
                 vertical=True,
-                position_x=0.87,
+                position_x=0.85,
                 position_y=0.3,
                 width=0.05,
                 height=0.42,

@@ -139,7 +139,7 @@ class _Panel:
 
     @property
     def x(self) -> float:
-        return round(self.left + 1.6 * self.line)
+        return float(round(self.left + 1.6 * self.line))
 
     @property
     def points(self) -> float:

@@ -114,7 +114,7 @@ class CertificateRow:
 
 
 def row_in_words(
-    name: str, value: float | None, limit: float | None, failures: tuple[str, ...] | None = None
+    name: str, value: float | int | None, limit: float | int | None, failures: tuple[str, ...] | None = None
 ) -> CertificateRow:
     """Describe one certificate row.
 
@@ -157,14 +157,20 @@ def row_in_words(
     )
 
 
-def _holds(name: str, value: float, limit: float) -> bool:
+def _holds(name: str, value: float | int, limit: float | int) -> bool:
     if name == "opening_min":
         return value > limit
     return value >= limit if name in AT_LEAST else value <= limit
 
 
 def number(value: object) -> str:
-    """Format a number with three significant digits; whole numbers and text as they are; NaN as a dash."""
+    """Format a number with three significant digits; whole numbers and text as they are; NaN as a dash.
+
+    Examples
+    --------
+    >>> number(0.123456), number(2.0), number(5e-9)
+    ('0.123', '2', '5e-9')
+    """
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value) if value is not None else "\u2013"
     if value != value:

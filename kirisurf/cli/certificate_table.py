@@ -7,7 +7,7 @@ from collections.abc import Mapping
 _AT_LEAST = ("opening_min", "min_edge", "coverage", "coverage_strict")
 
 
-def certificate_table(rows: Mapping[str, float | None], limits: Mapping[str, float]) -> str:
+def certificate_table(rows: Mapping[str, float | int | None], limits: Mapping[str, float | int]) -> str:
     """Return one line per row: name, value, limit, verdict.
 
     Examples
@@ -31,7 +31,7 @@ def _sign(name: str) -> str:
     return ">" if name == "opening_min" else ">=" if name in _AT_LEAST else "<="
 
 
-def _verdict(name: str, value: float | None, limit: float | None) -> str:
+def _verdict(name: str, value: float | int | None, limit: float | int | None) -> str:
     if value is None:
         return "does not apply" if name == "loop" else "not checked"
     if limit is None:

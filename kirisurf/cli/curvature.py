@@ -60,7 +60,8 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     summary = {name: value for name, value in run_read.result["measures"].items() if "curvature" in name}
     for name, value in summary.items():
         output.message(f"{name.replace('_', ' ')}: {_cell(math.nan if value is None else value)}")
-    code, maps = 0, {}
+    code = 0
+    maps: dict[str, Path] = {}
     if arguments.csv is not None:
         write_text(arguments.csv, curvature_csv(fields))
     if arguments.maps is not None:

@@ -24,7 +24,6 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
         Where it was interrupted before there was anything to keep, or twice.
     """
     from kirisurf.design import fit_loaded
-    from kirisurf.saving import save
     from kirisurf.targets import load_with_notes
 
     progress: Progress = Bar(spec.tolerance) if output.is_terminal else Lines(output.message)
@@ -38,7 +37,7 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
         progress.stage("solving")
         design = fit_loaded(spec, surface, notes, seconds, progress.step, stop)
         stop.stage = "saving"
-        run = save(design, opened, pictures=pictures, stage=progress.stage)
+        run = design.save_into(opened, pictures=pictures, stage=progress.stage)
     _tell(run, output)
     report = run.folder / "report.html"
     output.product(str(report))

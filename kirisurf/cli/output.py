@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TextIO
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -43,29 +43,29 @@ class Output:
     def product(self, text: str) -> None:
         """Print what the user asked for."""
         if not self.json:
-            _write(sys.stdout, text)
+            _write("stdout", text)
 
     def message(self, text: str) -> None:
         """Print what is good to know."""
         if not self.quiet:
-            _write(sys.stderr, text)
+            _write("stderr", text)
 
     def warning(self, text: str) -> None:
         """Print what needs reading."""
-        _write(sys.stderr, f"warning: {text}")
+        _write("stderr", f"warning: {text}")
 
     def error(self, text: str) -> None:
         """Print why the command failed."""
-        _write(sys.stderr, f"kirisurf: {text}")
+        _write("stderr", f"kirisurf: {text}")
 
     def finish(self, command: str, outcome: Outcome) -> None:
         """Print the JSON object, if asked for, and flush."""
         if self.json:
             from kirisurf.runs.record import json_text
 
-            _write(sys.stdout, json_text({"command": command, "exit_code": outcome.code, **outcome.result}).rstrip())
-        for stream in (sys.stdout, sys.stderr):
-            _guarded(stream, stream.flush)
+            _write("stdout", json_text({"command": command, "exit_code": outcome.code, **outcome.result}).rstrip())
+        for name in ("stdout", "stderr"):
+            _guarded(name, getattr(sys, name).flush)
 
     @property
     def is_terminal(self) -> bool:
@@ -83,16 +83,16 @@ def prepare_streams() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def _write(stream: TextIO, text: str) -> None:
-    _guarded(stream, lambda: print(text, file=stream))
+def _write(name: str, text: str) -> None:
+    _guarded(name, lambda: print(text, file=getattr(sys, name)))
 
 
-def _guarded(stream: TextIO, act: Any) -> None:
+def _guarded(name: str, act: Callable[[], None]) -> None:
     """Act on a stream; where its reader has gone (as after `| head`), go on in silence."""
     try:
         act()
     except BrokenPipeError:
         # Python flushes again at exit and would complain: give it a stream that takes all.
         nothing = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nothing, stream.fileno())
+        os.dup2(nothing, getattr(sys, name).fileno())
         os.close(nothing)

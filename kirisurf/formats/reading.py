@@ -12,6 +12,7 @@ from kirisurf.formats import gltf, obj, off, ply, stl, vtk_files
 from kirisurf.formats.cleaning import surface_of
 from kirisurf.formats.polygons import Polygons
 from kirisurf.formats.source import LIMIT_MB, load
+from kirisurf.formats.vtk_files import PolygonsWithFields
 from kirisurf.loops import Loops
 from kirisurf.surface import Surface
 
@@ -89,6 +90,22 @@ def read_polygons(
     if source.format not in ("obj", "vtp"):
         raise UnreadableError(f"{path}: expected OBJ or VTP for polygons, got {source.format.upper()}")
     return checked_polygons(_READERS[source.format](source), source.name)
+
+
+def read_fields(path: str | os.PathLike[str], *, limit_mb: int | float = LIMIT_MB) -> PolygonsWithFields:
+    """Read a VTP or VTK file with its named fields, its polygons as :func:`read_polygons` gives them.
+
+    Raises
+    ------
+    UnreadableError, UnusableError
+        As :func:`read_polygons`.
+    """
+    source = load(path, limit_mb)
+    if source.format not in ("vtp", "vtk"):
+        raise UnreadableError(f"{path}: expected VTP or VTK for named fields, got {source.format.upper()}")
+    found = vtk_files.read_with_fields(source)
+    checked_polygons(found.polygons, source.name)
+    return found
 
 
 def checked_polygons(found: Polygons, name: str) -> tuple[np.ndarray, Loops]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldS
 from kirisurf.solvers.scipy_peers import ScipyPeer
 
 
+@runtime_checkable
 class Solver(Protocol):
     """Solves problems; configuration only."""
 

@@ -25,7 +25,7 @@ class Filter:
 
     def improves(self, violation: float, merit: float, old_violation: float, old_merit: float) -> bool:
         """Does the pair improve enough on the current point?"""
-        return (
+        return bool(
             violation <= (1 - self.gamma_violation) * old_violation
             or merit <= old_merit - self.gamma_merit * old_violation
         )

@@ -51,7 +51,7 @@ def test_curvature_converges_with_second_order(name):
     for cells in (4, 8, 16):
         pattern, points = _lifted(name, cells)
         found = hole_curvature(hole_patches(points, pattern))
-        mean, gaussian = SURFACES[name][1](found.centres)
+        mean, gaussian = SURFACES[name][1](found.centers)
         steps.append([np.median(np.abs(found.gaussian - gaussian)), np.median(np.abs(found.mean - mean))])
         relative.append(np.median(np.abs(found.gaussian / gaussian - 1)))
     orders = np.polyfit(-np.log2([8, 16, 32]), np.log2(steps), 1)[0]
@@ -64,7 +64,7 @@ def test_published_experiment_is_reproduced():
     for cells, expected in ((4, 0.021), (8, 0.0055), (16, 0.0014)):
         pattern, points = _lifted("paraboloid", cells)
         found = hole_curvature(hole_patches(points, pattern))
-        gaussian = SURFACES["paraboloid"][1](found.centres)[1]
+        gaussian = SURFACES["paraboloid"][1](found.centers)[1]
         assert np.median(np.abs(found.gaussian / gaussian - 1)) == pytest.approx(expected, rel=0.2)
 
 
@@ -126,7 +126,7 @@ def test_numbering_does_not_matter():
     again = derive_tessellation(flat, flat, tiles, pattern.weld[order])
     one = hole_curvature(hole_patches(points, pattern))
     two = hole_curvature(hole_patches(points[order], again))
-    match = np.linalg.norm(one.centres[:, None] - two.centres, axis=2).argmin(axis=1)
+    match = np.linalg.norm(one.centers[:, None] - two.centers, axis=2).argmin(axis=1)
     assert two.gaussian[match] == pytest.approx(one.gaussian, rel=1e-8)
     assert two.mean[match] == pytest.approx(one.mean, rel=1e-8)
 

@@ -106,9 +106,9 @@ def test_curvature_csv_reads_back(lifted):
     for name in ("gaussian_curvature", "mean_curvature_averaged", "area"):
         assert [float(row[name]) for row in rows] == measures.fields["hole", name].tolist()
     assert {row["flag"] for row in rows} == {"0"}
-    centre = np.array([[float(row[axis]) for axis in "xyz"] for row in rows])
+    center = np.array([[float(row[axis]) for axis in "xyz"] for row in rows])
     corners = np.array([points[hole].mean(axis=0) for hole in pattern.holes])
-    assert np.linalg.norm(centre - corners, axis=1).max() < 0.02
+    assert np.linalg.norm(center - corners, axis=1).max() < 0.02
 
 
 def test_csv_of_nothing_still_has_its_header():

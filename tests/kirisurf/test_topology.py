@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kirisurf.connectivity import Edges, fans_per_vertex
+from kirisurf.connectivity import Edges, fans_per_vertex, separated_fans
 from kirisurf.errors import UnusableError
 from kirisurf.surface import Surface
 from kirisurf.topology import examine, face_components, require_disk
@@ -49,7 +49,7 @@ def without(surface: Surface, *faces: int) -> Surface:
 def joined(*parts: Surface) -> Surface:
     offsets = np.cumsum([0, *[len(p.vertices) for p in parts]])
     faces = np.concatenate([p.faces + k for p, k in zip(parts, offsets, strict=False)])
-    return Surface.from_arrays(np.concatenate([p.vertices + [5 * k, 0, 0] for k, p in enumerate(parts)]), faces, "parts")
+    return Surface.from_arrays(np.concatenate([p.vertices + 5.0 * k for k, p in enumerate(parts)]), faces, "parts")
 
 
 TETRAHEDRON = Surface.from_arrays(
@@ -201,6 +201,14 @@ def test_fans_against_the_slow_way() -> None:
                         fan |= other
                         around.remove(other)
             assert fast[vertex] == fans
+
+
+def test_separated_fans_touch_nowhere() -> None:
+    faces = np.array([[0, 1, 2], [0, 3, 4], [0, 4, 5], [6, 7, 0]])
+    split, origins = separated_fans(faces, 9)
+    assert np.array_equal(origins[split], faces)
+    assert origins.tolist() == [0, 0, 0, 1, 2, 3, 4, 5, 6, 7]
+    assert (fans_per_vertex(split, Edges.of(split, 10), 10) == 1).all()
 
 
 def test_seventy_thousand_faces_take_no_time() -> None:

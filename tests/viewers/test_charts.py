@@ -37,4 +37,4 @@ def test_every_hole_is_a_dot():
     holes = np.linspace(-1, 1, 11)
     root = ElementTree.fromstring(curvature_scatter(holes, 0.9 * holes))
     dots = [g for g in root.iter() if g.get("id", "").startswith("PathCollection_1")]
-    assert len(list(dots[0].iter("{*}use"))) == 11
+    assert len(dots[0].findall(".//{*}use")) == 11

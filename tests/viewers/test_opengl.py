@@ -69,9 +69,9 @@ def test_no_display_is_seen_without_a_child_process(fresh, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "said, works", [("kind vtkXOpenGLRenderWindow", True), ("kind vtkEGLRenderWindow", False), ("", False)]
+    "kind, works", [("kind vtkXOpenGLRenderWindow", True), ("kind vtkEGLRenderWindow", False), ("", False)]
 )
-def test_a_window_that_nobody_sees_is_no_display(fresh, monkeypatch, said, works):
+def test_a_window_that_nobody_sees_is_no_display(fresh, monkeypatch, kind, works):
     monkeypatch.setenv("DISPLAY", ":12345")
-    monkeypatch.setattr(opengl, "_run", lambda kind, code: (said, ""))
+    monkeypatch.setattr(opengl, "_run", lambda *_: (kind, ""))
     assert opengl.probe_display().available is works

@@ -36,6 +36,14 @@ ROWS = {
 LIMITS = {"length": 1e-9, "angle": 1e-9, "opening_min": 0.0, "intersections": 0, "distance_rms": 0.05, "coverage": 0.85}
 
 
+@pytest.fixture(autouse=True)
+def quick_charts(request, monkeypatch):
+    """Draw the charts only where a test asks for the whole page: they take most of its time."""
+    if request.function is not test_the_page_loads_nothing_and_runs_nothing:
+        for name in ("residual_history", "curvature_scatter", "curvature_histogram"):
+            monkeypatch.setattr(f"viewers.charts.{name}", lambda *_: "<svg/>")
+
+
 class Page(HTMLParser):
     """What a browser would see of a page: tags with attributes, balance, text."""
 
@@ -132,7 +140,7 @@ def test_what_a_user_wrote_is_escaped(parts, where):
         "version": {"result": {**parts.result, "versions": {evil: evil}, "reason": evil}},
         "no_pictures": {"pictures": {}, "no_pictures": evil},
     }.get(where, {where: (evil,) if where in ("notes", "warnings", "failures") else evil})
-    text = report_html(replace(parts, **changed))
+    text = report_html(replace(parts, **{"fields": {}, "history": (), **changed}))
     page = Page(text)
     assert "<img src=x" not in text
     assert not [a for _, a in page.tags if "onerror" in a or a.get("src") == "x"]
@@ -182,6 +190,12 @@ def test_the_paragraph_beside_the_maps_says_what_is_target_and_what_is_fit(parts
     assert summary.per_edge_squared == pytest.approx(rms / 0.04)
     text = Page(report_html(parts)).text
     assert "9.1 % of it" in text and "d/L\u00b2" in text and "1/mm\u00b2" in text
+
+
+def test_a_curvature_map_says_beside_it_how_much_is_the_fit(parts):
+    pictures = {"gaussian_curvature": parts.pictures["deployed"]}
+    assert "that part is the fit" in Page(report_html(replace(parts, pictures=pictures))).text
+    assert "(9.1 %)" in Page(report_html(replace(parts, pictures=pictures))).text
 
 
 def test_flagged_holes_are_left_out_of_the_medians_and_counted(parts):

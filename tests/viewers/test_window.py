@@ -22,15 +22,18 @@ def opened(opengl, no_open_plotter, sheet, patches):
 
 
 def points_of(opened: SheetWindow, name: str) -> np.ndarray:
-    return np.array(opened._actors[1, name].mapper.dataset.points)
+    return np.array(opened._drawn[1, name].data.points)
 
 
 def test_the_slider_moves_the_deployed_sheet_and_says_interpolated(opened, sheet):
     assert np.array_equal(points_of(opened, "tiles"), sheet.deployed)
     opened.blend(0.25)
-    flat = np.array(opened._actors[0, "tiles"].mapper.dataset.points)
+    flat = np.array(opened._drawn[0, "tiles"].data.points)
+    opened.plotter.render()
     for name in ("tiles", "tile edges", "holes"):
         assert np.allclose(points_of(opened, name), 0.75 * flat + 0.25 * sheet.deployed)
+        shown = opened._drawn[1, name].actor.mapper.dataset
+        assert np.allclose(shown.points, points_of(opened, name))
     title = opened.plotter.renderers[1].actors["title 1"]
     assert title.input == "Interpolated, 25 %"
     opened.blend(1.0)
@@ -41,10 +44,10 @@ def test_the_slider_moves_the_deployed_sheet_and_says_interpolated(opened, sheet
 def test_parts_can_be_hidden_and_stay_hidden_when_the_field_changes(opened):
     opened.toggle("target")
     opened.cycle()
-    assert not opened._actors[1, "target"].visibility and not opened._actors[1, "rim"].visibility
-    assert opened._actors[1, "tiles"].visibility
+    assert not opened._drawn[1, "target"].actor.visibility and not opened._drawn[1, "rim"].actor.visibility
+    assert opened._drawn[1, "tiles"].actor.visibility
     opened.toggle("target")
-    assert opened._actors[1, "target"].visibility
+    assert opened._drawn[1, "target"].actor.visibility
 
 
 def test_cycling_visits_every_field_but_flags_and_returns(opened, sheet):

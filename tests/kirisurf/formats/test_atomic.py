@@ -12,7 +12,7 @@ from kirisurf.errors import OutputError
 from kirisurf.formats import atomic
 
 
-@pytest.mark.parametrize("name", ["plain.obj", "with space.obj", "it's \"quoted\".obj", "-dash.obj", "Größe-表面.obj"])
+@pytest.mark.parametrize("name", ["plain.obj", "with space.obj", 'it\'s "quoted".obj', "-dash.obj", "Größe-表面.obj"])
 def test_content_arrives_under_any_name(tmp_path: Path, name: str) -> None:
     atomic.write_text(tmp_path / name, "one\r\ntwo\n")
     atomic.write_bytes(tmp_path / name, b"\0\xff" + b"x" * 100_000)

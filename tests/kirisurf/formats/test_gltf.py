@@ -43,7 +43,7 @@ def _document(indices: np.ndarray = FACES, points: np.ndarray = POINTS, **change
     return document | changes
 
 
-def _read(folder: Path, document: object):  # noqa: ANN202
+def _read(folder: Path, document: object):
     path = folder / "a.gltf"
     path.write_text(document if isinstance(document, str) else json.dumps(document))
     return read_surface(path)

@@ -37,7 +37,7 @@ def _ply(encoding: str, loops: list[list[int]] = LOOPS, vertices: int = 5, faces
     return header + body + np.array([3], order + "i4").tobytes()
 
 
-def _read(folder: Path, content: bytes):  # noqa: ANN202
+def _read(folder: Path, content: bytes):
     path = folder / "a.ply"
     path.write_bytes(content)
     return read_surface(path)

@@ -48,7 +48,9 @@ def test_comments_are_lines_of_their_own(tmp_path: Path) -> None:
 
 
 def test_vtp_keeps_every_double_and_is_the_same_every_time(tmp_path: Path) -> None:
-    points = np.array([[5e-324, -0.0, 1e-300], [1.7e150, 0, 0], [np.nextafter(1, 2), 1 / 3, -np.pi], [0, 0, 1], [0, 2, 0]])
+    points = np.array(
+        [[5e-324, -0.0, 1e-300], [1.7e150, 0, 0], [np.nextafter(1, 2), 1 / 3, -np.pi], [0, 0, 1], [0, 2, 0]]
+    )
     write_vtp(tmp_path / "a.vtp", points, LOOPS)
     assert read_polygons(tmp_path / "a.vtp")[0].tobytes() == points.tobytes()
     assert vtp_bytes(points, LOOPS, {"a": POINTS[:, 0]}) == vtp_bytes(points, LOOPS, {"a": POINTS[:, 0]})

@@ -13,12 +13,10 @@ from kirisurf.formats.source import load
 
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 OFF = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
-STL = (
-    "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
-)
+STL = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
 
 
-@pytest.mark.parametrize("name", ["a b.obj", "-o.obj", "it's \"q\".obj", "größe 表面.obj", "A.OBJ", "a.b.obj"])
+@pytest.mark.parametrize("name", ["a b.obj", "-o.obj", 'it\'s "q".obj', "größe 表面.obj", "A.OBJ", "a.b.obj"])
 def test_any_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     (tmp_path / name).write_text(OBJ)
     assert read_surface(tmp_path / name).name == name

@@ -183,8 +183,12 @@ def test_damaged_off_is_unreadable(tmp_path: Path, content: str, message: str) -
 
 
 def test_ascii_stl_keeps_double_precision_and_merges_corners(tmp_path: Path) -> None:
-    second = FACET.replace("0 0 0", "1 0 0").replace("vertex 1 0 0\n  vertex 0", "vertex 1 1.1000000000000001 0\n  vertex 0")
-    surface = read_surface(_file(tmp_path, "a.stl", f"solid x\n{FACET}{second}endsolid x\nsolid empty\nendsolid empty\n"))
+    second = FACET.replace("0 0 0", "1 0 0").replace(
+        "vertex 1 0 0\n  vertex 0", "vertex 1 1.1000000000000001 0\n  vertex 0"
+    )
+    surface = read_surface(
+        _file(tmp_path, "a.stl", f"solid x\n{FACET}{second}endsolid x\nsolid empty\nendsolid empty\n")
+    )
     assert len(surface.vertices) == 4 and len(surface.faces) == 2
     assert 1.1 in surface.vertices
 

@@ -84,4 +84,6 @@ def test_crossing_sides_are_counted_and_still_give_a_fan() -> None:
 def test_a_thousand_corners_take_no_time() -> None:
     comb = _comb(500)
     faces, crossed = triangulated(comb, Loops.from_lists([range(len(comb))]))
-    assert crossed == 0 and np.linalg.norm(_areas(comb, faces), axis=1).sum() == pytest.approx(np.linalg.norm(_newell(comb)))
+    assert crossed == 0 and np.linalg.norm(_areas(comb, faces), axis=1).sum() == pytest.approx(
+        np.linalg.norm(_newell(comb))
+    )

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from kirisurf.errors import UnreadableError, UnusableError
-from kirisurf.formats import child, read_polygons, read_surface, vtk_files, write_vtp
-from kirisurf.formats.source import load
+from kirisurf.formats import child, read_fields, read_polygons, read_surface, write_obj, write_vtp
 from kirisurf.loops import Loops
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.1], [0, 1, np.pi], [0.5, 2, 1 / 3]])
@@ -37,16 +36,19 @@ def test_legacy_files_of_polygons(tmp_path: Path, kind: str, cells: str) -> None
 
 
 def test_vtp_under_an_odd_name_with_fields(tmp_path: Path) -> None:
-    path = tmp_path / "-it's a \"größe\" 表.vtp"
+    path = tmp_path / '-it\'s a "größe" 表.vtp'
     fields = {"height": POINTS[:, 2], "flag": np.array([0, 1, 0, 1, 1], dtype=bool)}
     write_vtp(path, POINTS, LOOPS, fields, {"normal": np.eye(3)[:2]})
     vertices, loops = read_polygons(path)
     assert np.array_equal(vertices, POINTS)
     assert np.array_equal(loops.indices, LOOPS.indices) and np.array_equal(loops.offsets, LOOPS.offsets)
-    found = vtk_files.read_with_fields(load(path))
+    found = read_fields(path)
     assert np.array_equal(found.point_fields["height"], POINTS[:, 2])
     assert found.point_fields["flag"].tolist() == [0, 1, 0, 1, 1]
     assert np.array_equal(found.cell_fields["normal"], np.eye(3)[:2])
+    write_obj(tmp_path / "a.obj", POINTS, LOOPS)
+    with pytest.raises(UnreadableError, match="expected VTP or VTK"):
+        read_fields(tmp_path / "a.obj")
 
 
 @pytest.mark.parametrize(

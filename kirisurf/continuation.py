@@ -1,0 +1,90 @@
+"""Continuation: from a stiff sheet to a soft one, where a direct solve does not converge.
+
+Each stage starts at the last one's best point and is held near it, so that the sheet first becomes feasible
+far from a difficult target and then approaches it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kirisurf.formulation import Weights
+from kirisurf.problem import Problem
+from kirisurf.solvers.choice import Solver
+from kirisurf.solvers.outcome import Limits, Outcome, Progress, ShouldStop
+from kirisurf.status import Status
+
+STAGES = (
+    Weights(closeness=0.1, fairness=0.1, proximity=0.1),
+    Weights(fairness=0.03, proximity=0.03),
+    Weights(),
+    # held fast: what the softest stage reached becomes a minimum of its own
+    Weights(fairness=0.03, proximity=1.0),
+)
+STEPS_EACH = 60
+
+Formulate = Callable[[np.ndarray, Weights], Callable[[np.ndarray], Problem]]
+"""Gives, for a reference (n, 3) and weights, the problem as a function of where the target is modeled."""
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """Solves directly first, then in stages.
+
+    Attributes
+    ----------
+    make_solver : callable
+        Limits to Solver.
+    limits : Limits
+        Of the direct solve; the time limit holds for everything.
+    in_stages : bool
+        Whether a failed direct solve is followed by stages.
+    """
+
+    make_solver: Callable[[Limits], Solver]
+    limits: Limits
+    in_stages: bool = True
+
+    def solve(
+        self,
+        formulate: Formulate,
+        start: np.ndarray,
+        progress: Progress | None = None,
+        should_stop: ShouldStop | None = None,
+    ) -> tuple[Outcome, tuple[str, ...]]:
+        """Return the outcome and a sentence on how it was reached, where that was not the direct way."""
+        began = time.perf_counter()
+        at = formulate(start, Weights())
+        direct = self.make_solver(self.limits).solve(at(start), start, at, progress, should_stop)
+        if direct.status in _FINAL or not self.in_stages:
+            return direct, ()
+        outcome, history = direct, direct.history
+        points = start
+        for weights in STAGES:
+            left = self.limits.max_seconds - (time.perf_counter() - began)
+            limits = replace(self.limits, max_steps=STEPS_EACH, max_seconds=left)
+            at = formulate(points, weights)
+            outcome = self.make_solver(limits).solve(at(points), points, at, progress, should_stop)
+            history += outcome.history
+            points = outcome.points
+            if outcome.status in (Status.INTERRUPTED, Status.TIME_LIMIT):
+                break
+        if outcome.status is not Status.CONVERGED and _worst(direct) < _worst(outcome):
+            return replace(direct, history=history), ()
+        note = (
+            "Solve: the direct way did not converge; the sheet was first held stiff and then softened in "
+            f"{len(STAGES)} stages, the last of which keeps it near the softest state that was reached."
+        )
+        return replace(outcome, history=history), (note,)
+
+
+_FINAL = (Status.CONVERGED, Status.INTERRUPTED, Status.TIME_LIMIT)
+
+
+def _worst(outcome: Outcome) -> float:
+    """Violation of the point that an outcome kept: the smallest along its history."""
+    return min((max(step.residuals.values(), default=0.0) for step in outcome.history), default=np.inf)
