@@ -55,7 +55,9 @@ def main_direction(outline: shapely.Polygon) -> float:
     hull = np.asarray(outline.convex_hull.exterior.coords)
     step = np.diff(hull, axis=0)
     angles = np.arctan2(step[:, 1], step[:, 0])[np.linalg.norm(step, axis=1) > 1e-9 * np.sqrt(outline.area)]
-    across, along = (hull @ np.stack([f(angles), g(angles)]) for f, g in ((np.cos, np.sin), (lambda a: -np.sin(a), np.cos)))
+    across, along = (
+        hull @ np.stack([f(angles), g(angles)]) for f, g in ((np.cos, np.sin), (lambda a: -np.sin(a), np.cos))
+    )
     areas = np.ptp(across, axis=0) * np.ptp(along, axis=0)
     angle = angles[np.flatnonzero(areas <= (1 + CLOSE) * areas.min())[0]]
     low = np.radians(-33.7)
@@ -84,7 +86,7 @@ def trimmed_placement(
     """
     main = main_direction(flattening.outline)
     angles = [angle] if angle is not None else list(np.radians([0.0, 45.0, 22.5, 67.5]))
-    best: Placement | None = None
+    best, best_score = None, -np.inf
     for candidate in angles:
         for offset in (0.0, 0.5):
             found = _trimmed(flattening, n_tiles, main, candidate, offset, tolerance)
@@ -92,7 +94,7 @@ def trimmed_placement(
                 continue
             far = abs(found.n_tiles - n_tiles) > 2 * tolerance * n_tiles + 4
             score = found.overlap - far
-            if best is None or score > best_score + CLOSE:
+            if score > best_score + CLOSE:
                 best, best_score = found, score
     if best is None:
         raise UnusableError(

@@ -13,7 +13,7 @@ from kirisurf.guess import lay_quads, tile_centers
 from kirisurf.pattern import tile_pattern
 from kirisurf.placement import Placement, rectangle_placement, trimmed_placement
 from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners
-from kirisurf.spec import FitSpec
+from kirisurf.spec import DEFAULT_TILES, FitSpec
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.unit_cell import quad_cell
@@ -87,21 +87,22 @@ def _rectangle(
     flattening = base if base.kind == "projection" else map_to_rectangle(conformal, corners)
     placement = rectangle_placement(flattening, *cells)
     width, height = np.ptp(flattening.uv, axis=0)
-    where = "the four corners of its outline" if found else "four points of its outline, which has no four clear corners"
+    where = (
+        "the four corners of its outline" if found else "four points of its outline, which has no four clear corners"
+    )
     notes.append(f"Placement: {cells[0]}x{cells[1]} unit cells fitted to {where} ({flattening.kind} map).")
     if placement.overlap < 0.95:
         fitting = max(1, round(cells[1] * width / height))
         warnings.append(
-            f"The target is {width / height:.2f} times as long as wide, the pattern {cells[0] / cells[1]:.2f} times: it "
-            f"covers {100 * placement.overlap:.0f} % of the outline. --cells {fitting}x{cells[1]} would fit."
+            f"The target is {width / height:.2f} times as long as wide, the pattern {cells[0] / cells[1]:.2f} times: "
+            f"it covers {100 * placement.overlap:.0f} % of the outline. --cells {fitting}x{cells[1]} would fit."
         )
     return flattening, placement
 
 
 def _trimmed(base: Flattening, spec: FitSpec, notes: list[str]) -> Placement:
     angle = None if spec.orientation == "auto" else float(np.radians(float(spec.orientation)))
-    assert spec.tiles is not None
-    placement = trimmed_placement(base, spec.tiles, angle)
+    placement = trimmed_placement(base, spec.tiles or DEFAULT_TILES, angle)
     reason = "the one of 0, 22.5, 45 and 67.5 that covers the outline best" if angle is None else "as asked"
     notes.append(
         f"Placement: {placement.n_tiles} tiles on the conformal flattening, trimmed to the outline, turned by "
@@ -133,8 +134,8 @@ def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[
     if spread > np.sqrt(2):
         warnings.append(
             f"The target asks for stretches that differ by a factor of {spread:.2f} over the sheet; quad tiles of one "
-            "size give at most 1.41. Expect small or strained tiles, or a distance to the target, where it curves most; "
-            "a smaller part of the target, or one cut open there, would ask for less."
+            "size give at most 1.41. Expect small or strained tiles, or a distance to the target, where it curves "
+            "most; a smaller part of the target, or one cut open there, would ask for less."
         )
     return stretch
 
@@ -155,7 +156,9 @@ def _laid_flat(
     left, _, right = np.linalg.svd(uv.T @ flat)
     turn = left @ right
     if np.linalg.det(turn) < 0:
-        raise UnusableError(f"{surface.name}: expected a surface that can be seen from one side, got one that folds over")
+        raise UnusableError(
+            f"{surface.name}: expected a surface that can be seen from one side, got one that folds over"
+        )
     vertices = center + uv @ turn @ plane
     flat_surface = Surface.from_arrays(vertices, surface.faces, surface.name)
     moved = Flattening(flat_surface, flattening.uv, flattening.log_scale, flattening.kind)

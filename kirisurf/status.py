@@ -17,7 +17,9 @@ class Status(Enum):
         "Stalled: the steps became too small before the constraints were met. "
         "Try another number of tiles, another opening (--opening) or another start (--initial)."
     )
-    STEP_LIMIT = "Step limit reached before convergence. Allow more steps (--max-steps), or try another start (--initial)."
+    STEP_LIMIT = (
+        "Step limit reached before convergence. Allow more steps (--max-steps), or try another start (--initial)."
+    )
     TIME_LIMIT = "Time limit reached before convergence. Allow more time (--max-seconds), or fewer tiles."
     INTERRUPTED = "Interrupted: the best point so far was kept."
     NOT_FINITE = "A number that is not finite appeared; the last finite point was kept. Check the target for spikes."

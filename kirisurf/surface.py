@@ -56,7 +56,9 @@ class Surface:
     smooth: SmoothSurface | None = None
 
     @classmethod
-    def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, name: str = "surface", smooth: SmoothSurface | None = None) -> Surface:
+    def from_arrays(
+        cls, vertices: ArrayLike, faces: ArrayLike, name: str = "surface", smooth: SmoothSurface | None = None
+    ) -> Surface:
         """Validate arrays (shape, finiteness, index range) and freeze them; topology is judged later."""
         v = checked(vertices, f"vertices of {name}", (None, 3))
         f = checked(faces, f"faces of {name}", (None, 3), np.int64)

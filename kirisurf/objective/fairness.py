@@ -62,8 +62,8 @@ class EqualNeighbors:
         tile = np.zeros((len(self._tiles), size, 2, 3 * size))
         for k in range(size):
             tile[:, k, :, self._columns[k]] = np.moveaxis(gradients[:, k], 2, 0)
-        tile = tile.reshape(-1, 2 * size, 3 * size)
-        return np.concatenate([tile[self._pair[:, 0]], -tile[self._pair[:, 1]]], axis=2)
+        rows = tile.reshape(-1, 2 * size, 3 * size)
+        return np.concatenate([rows[self._pair[:, 0]], -rows[self._pair[:, 1]]], axis=2)
 
     def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Second derivatives (corners, 9, 9)."""

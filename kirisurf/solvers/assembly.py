@@ -67,10 +67,12 @@ class Assembly:
         first = np.cumsum([0, *sizes])
         pairs = [np.broadcast_arrays(s[:, :, None], s[:, None, :]) for s in stencils]
         diagonal = np.arange(n_vertices)
-        self.hessian = BlockPattern([p[0] for p in pairs] + [diagonal], [p[1] for p in pairs] + [diagonal], n_vertices, (3, 3))
+        self.hessian = BlockPattern(
+            [p[0] for p in pairs] + [diagonal], [p[1] for p in pairs] + [diagonal], n_vertices, (3, 3)
+        )
         rows, columns = [], []
         for block, start in zip(equalities, first, strict=False):
-            g, p = block.stencil.shape
+            g = len(block.stencil)
             number = start + np.arange(g * block.n_rows).reshape(g, block.n_rows, 1)
             r, c = np.broadcast_arrays(number, block.stencil[:, None, :])
             rows.append(r)

@@ -198,9 +198,7 @@ class InteriorPoint:
     ) -> Iterate | Status:
         """One step: direction, line search, and restoration where the search fails."""
         exact = worst <= self.gauss_newton_above
-        system = NewtonSystem(
-            at, assembly, ordering, here.slacks, here.y, here.z, here.barrier, exact, here.shift
-        )
+        system = NewtonSystem(at, assembly, ordering, here.slacks, here.y, here.z, here.barrier, exact, here.shift)
         direction = system.direction(at.equality, at.inequality - here.slacks)
         if not direction.is_finite:
             return Status.NOT_FINITE

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import Bounds, NonlinearConstraint, minimize
+from scipy.optimize import Bounds, NonlinearConstraint, OptimizeResult, minimize
 from scipy.sparse import csr_matrix, vstack
 
 from kirisurf.block import Block
@@ -104,7 +105,7 @@ class ScipyPeer:
             return start, Status.NOT_FINITE
         return points, Status.CONVERGED if result.status in (0, 1, 2) else Status.STALLED
 
-    def _minimize(self, problem: Problem, x: np.ndarray, record):  # noqa: ANN001, ANN202
+    def _minimize(self, problem: Problem, x: np.ndarray, record: Callable[..., None]) -> OptimizeResult:
         def objective(v: np.ndarray) -> float:
             return problem.objective(v.reshape(-1, 3))
 
@@ -129,11 +130,21 @@ class ScipyPeer:
                 {"type": "ineq", "fun": open_rows, "jac": lambda v: open_slopes(v).toarray()},
             ]
             return minimize(
-                objective, x, jac=gradient, method="SLSQP", constraints=constraints, callback=record,
+                objective,
+                x,
+                jac=gradient,
+                method="SLSQP",
+                constraints=constraints,
+                callback=record,
                 options={"ftol": 1e-14, "maxiter": self.limits.max_steps},
             )
         return minimize(
-            objective, x, jac=gradient, method="trust-constr", callback=record, bounds=Bounds(-np.inf, np.inf),
+            objective,
+            x,
+            jac=gradient,
+            method="trust-constr",
+            callback=record,
+            bounds=Bounds(-np.inf, np.inf),
             constraints=[
                 NonlinearConstraint(rows, 0.0, 0.0, jac=slopes),
                 NonlinearConstraint(open_rows, 0.0, np.inf, jac=open_slopes),
@@ -151,7 +162,5 @@ def jacobian_of(blocks: tuple[Block, ...], points: np.ndarray) -> csr_matrix:
         columns = (3 * block.stencil[:, None, :, None] + np.arange(3)).reshape(g, 1, k)
         columns = np.broadcast_to(columns, values.shape)
         row = np.broadcast_to(np.arange(g * r).reshape(g, r, 1), values.shape)
-        parts.append(
-            csr_matrix((values.ravel(), (row.ravel(), columns.ravel())), shape=(g * r, points.size))
-        )
+        parts.append(csr_matrix((values.ravel(), (row.ravel(), columns.ravel())), shape=(g * r, points.size)))
     return vstack(parts, format="csr") if parts else csr_matrix((0, points.size))
