@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from analysis import polygons
 from analysis.bernstein import difference_matrix, tensor_rows
+from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
 from kirisurf.tessellation import Tessellation
 
@@ -87,6 +88,41 @@ class HolePatches:
     centers: Float[np.ndarray, "g 2"]
     ill_conditioned: Bool[np.ndarray, " g"]
     residuals: Float[np.ndarray, " g"]
+
+    def sample(self, n: int) -> Float[np.ndarray, "g n n 3"]:
+        """Return a grid of points of every patch over its quadrilateral hole, units.
+
+        Point (i, j) is S at the bilinear blend of the hole's corners q_0 ... q_3 in parameters,
+        (1-s)(1-t) q_0 + s(1-t) q_1 + st q_2 + (1-s)t q_3 with s = i/(n-1), t = j/(n-1).
+
+        Parameters
+        ----------
+        n : int
+            Points along every side.
+
+        Returns
+        -------
+        (g, n, n, 3)
+            NaN for holes with another number of corners, and where the curvature is not determined.
+
+        Raises
+        ------
+        ParameterError
+            Where n is below 2.
+        """
+        if n < 2:
+            raise ParameterError(f"sample: expected at least 2 points along every side, got {n}")
+        points = np.full((len(self.patches), n, n, 3), np.nan)
+        which, rows = self.corners.by_size().get(4, (np.zeros(0, np.int64), np.zeros((0, 4), np.int64)))
+        good = ~self.ill_conditioned[which]
+        which, corners = which[good], self.parameters[rows[good]]
+        s = np.linspace(0.0, 1.0, n)[:, None]
+        t = s.T
+        weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t]).reshape(4, n * n)
+        place = np.einsum("gcd,cq->gqd", corners, weights)
+        chosen = BezierPatch(self.patches.nets[which])
+        points[which] = chosen.evaluate(place[..., 0], place[..., 1]).reshape(-1, n, n, 3)
+        return points
 
 
 def fit_patches(

@@ -13,7 +13,7 @@ from kirisurf.fit import Contracted
 from kirisurf.tessellation import Tessellation
 
 
-def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_steps: int = 20) -> Contracted:
+def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_steps: int = 300) -> Contracted:
     """Lay the tiles of a deployed sheet flat so that welded copies coincide.
 
     A spanning tree of tiles gives the start: each tile is placed by the slit edge it shares with the one

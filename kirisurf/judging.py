@@ -65,6 +65,13 @@ def measured(tessellation: Tessellation, deployed: np.ndarray, contracted: np.nd
     return measure(tessellation, deployed, contracted, surface)
 
 
+def patch_points(tessellation: Tessellation, deployed: np.ndarray, n: int) -> np.ndarray:
+    """Sample the patch over every hole, (h, n, n, 3), for drawing; NaN for a hole without a trustworthy one."""
+    from analysis.patches import hole_patches
+
+    return hole_patches(deployed, tessellation).sample(n)
+
+
 def named_fields(measures: Measures, where: str) -> dict[str, np.ndarray]:
     """Return the fields of vertex, tile or hole by name; holes have their centers (h, 3) among them."""
     found = {name: values for (place, name), values in measures.fields.items() if place == where}
@@ -136,9 +143,11 @@ def _state(state: Any) -> tuple[np.ndarray, Loops]:
     if isinstance(state, (str, os.PathLike)):
         return read_polygons(state)
     if hasattr(state, "irregular_faces"):
-        return np.asarray(state.points, dtype=float), Loops.from_lists([list(face) for face in state.irregular_faces])
+        return np.asarray(state.points, dtype=float), Loops.from_lists(
+            [np.asarray(face) for face in state.irregular_faces]
+        )
     if isinstance(state, (tuple, list)) and len(state) == 2:
         points, tiles = np.asarray(state[0], dtype=float), state[1]
         if points.ndim == 2 and points.shape[1] in (2, 3):
-            return points, tiles if isinstance(tiles, Loops) else Loops.from_lists(tiles)
+            return points, tiles if isinstance(tiles, Loops) else Loops.from_lists([np.asarray(t) for t in tiles])
     raise ParameterError(f"audit: expected a file, (points, tiles) or a pyvista mesh, got {type(state).__name__}")

@@ -25,7 +25,6 @@ from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.topology import require_disk
 
-
 EDGE_MARGIN = 1.05
 """The smallest edge is asked over the start's median edge; the finished sheet's may be a little larger."""
 

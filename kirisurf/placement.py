@@ -16,6 +16,19 @@ CLOSE = 1e-6
 """Relative difference below which two scores are a tie: the first candidate wins, whatever the rounding."""
 
 
+MOST_SQUARES = 100
+"""Lattice squares that are looked at for one tile asked for; an outline that needs more is a thin strip."""
+
+FINE = 0.02
+"""Part of the spacing by which the outline may be simplified before squares are cut by it."""
+
+INSET = 0.03
+"""Part of a unit cell by which a fitted lattice is smaller than its rectangle.
+
+Outer vertices would otherwise start exactly on the rim, where rounding decides between inside and outside.
+"""
+
+
 @dataclass(frozen=True, eq=False)
 class Placement:
     """An affine map from the contracted lattice of a quad pattern to a flattening.
@@ -96,10 +109,11 @@ def trimmed_placement(
             score = found.overlap - far
             if score > best_score + CLOSE:
                 best, best_score = found, score
-    if best is None:
+    if best is None or best.n_tiles > 2 * n_tiles + 4:
+        found = "none of at least four" if best is None else f"one of {best.n_tiles} at least"
         raise UnusableError(
-            f"{flattening.surface.name}: expected room for a sheet of about {n_tiles} tiles, found none of at least "
-            "four; the outline is too narrow for tiles of that size: ask for more tiles (--tiles)"
+            f"{flattening.surface.name}: expected room for a sheet of about {n_tiles} tiles, found {found}; "
+            "the outline is too narrow for tiles of that size: ask for more tiles (--tiles), or take a wider part"
         )
     return best
 
@@ -118,12 +132,12 @@ def _trimmed(
     for attempt in range(14):
         low = 2 * (np.floor((local.min(axis=0) / spacing - offset) / 2).astype(int) - 1)
         high = 2 * (np.ceil((local.max(axis=0) / spacing - offset) / 2).astype(int) + 1)
-        if np.prod((high - low).astype(float)) > 4e6:
+        if np.prod((high - low).astype(float)) > max(MOST_SQUARES * n_tiles, 1e4):
             return best
         i, j = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]), indexing="ij")
         corner = (np.stack([i, j], axis=-1) + offset)[..., None, :] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
         squares = (corner * spacing @ frame.T + center).reshape(-1, 4, 2)
-        fraction = overlap_fractions(outline, squares)
+        fraction = overlap_fractions(outline.simplify(FINE * spacing), squares)
         mask = sound_mask((fraction > 0.5).reshape(i.shape))
         count = int(mask.sum())
         if count >= 4:
@@ -153,6 +167,7 @@ def rectangle_placement(flattening: Flattening, columns: int, rows: int) -> Plac
     scale = size / np.array([columns, rows])
     if scale.max() > 1.25 * scale.min():
         scale = np.full(2, scale.min())
+    scale = scale * (1 - INSET / np.array([columns, rows]))
     origin = low + 0.5 * (size - scale * np.array([columns, rows]))
     overlap = float(np.prod(scale * [columns, rows]) / np.prod(size))
     return Placement(np.diag(scale), origin, np.ones((columns, rows, 4), bool), 0.0, overlap)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirisurf.judging import patch_points
 from kirisurf.runs import Run
 from kirisurf.runs.table import curvature_rows
 from kirisurf.surface import Surface
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 PICTURES = ("overview", "target", "pattern", "deployed", "mean_curvature", "gaussian_curvature")
 REPORT = "report.html"
+PATCH_POINTS = 9
+"""Points along every side of a hole's curved patch in a picture."""
 
 
 def sheet(
@@ -32,7 +35,7 @@ def sheet(
     fields: Mapping[tuple[str, str], np.ndarray],
     units: str | None,
 ) -> Sheet:
-    """Return what pictures are drawn from; fields with several columns are left out."""
+    """Return what pictures are drawn from: holes as curved patches; fields with several columns are left out."""
     from viewers.scenes import Sheet
 
     plain = {key: values for key, values in fields.items() if values.ndim == 1}
@@ -43,6 +46,7 @@ def sheet(
         contracted,
         target,
         plain,
+        patch_points(tessellation, deployed, PATCH_POINTS),
         units=units or "unit",
         name=target.name,
     )

@@ -30,7 +30,7 @@ else:
     os.environ.pop("VTK_DEFAULT_OPENGL_WINDOW", None)
 
 # Before the packages are loaded: every shape in a type hint is checked at every call of the test run.
-install_import_hook(["kirisurf", "analysis", "sample_surfaces"], "beartype.beartype")
+install_import_hook(["kirisurf", "analysis", "sample_surfaces", "viewers"], "beartype.beartype")
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from analysis.bernstein import bernstein, cubic_basis, difference_matrix
 from analysis.patches import BezierPatch, conditions, fit_patches, hole_patches, surrounding_vertices
+from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
 
 # B_0 ... B_3 at 1/4, and their derivatives: 27, 27, 9, 1 over 64; -27, 9, 15, 3 over 16; 72, -120, 24, 24 over 16
@@ -98,6 +100,40 @@ def test_holes_of_the_quad_pattern_have_twelve_vertices_and_face_the_front(flat_
     assert normal / np.linalg.norm(normal, axis=1)[:, None] == pytest.approx(np.tile(rotation[:, 2], (15, 1)))
     assert not holes.ill_conditioned.any()
     assert holes.residuals == pytest.approx(np.zeros(15), abs=1e-12)
+
+
+def test_samples_over_quad_holes_lie_on_the_surface_and_end_at_the_corners(flat_design):
+    tessellation = flat_design(3, 3).tessellation
+    x, y = (flat_design(3, 3).deployed[:, :2] * 0.1).T
+    points = np.stack([x, y, 0.4 * x * x - x * y + 0.2 * y * y], axis=1)
+    grid = hole_patches(points, tessellation).sample(5)
+    assert grid.shape == (25, 5, 5, 3)
+    around = grid[:, [0, -1, -1, 0], [0, 0, -1, -1]]
+    middle = np.stack([points[hole].mean(axis=0) for hole in tessellation.holes])
+    # a patch over its own tilted plane is no graph of a quadratic over x, y: equal up to higher order
+    height = 0.4 * grid[..., 0] ** 2 - grid[..., 0] * grid[..., 1] + 0.2 * grid[..., 1] ** 2
+    assert grid[..., 2] == pytest.approx(height, abs=2e-3)
+    assert around == pytest.approx(np.stack([points[hole] for hole in tessellation.holes]), abs=2e-3)
+    assert grid[:, 2, 2, :2] == pytest.approx(middle[:, :2], abs=2e-3)
+
+
+def test_samples_of_flat_quad_holes_are_the_bilinear_blend_of_their_corners(flat_design):
+    design = flat_design(2, 2)
+    grid = hole_patches(design.deployed, design.tessellation).sample(3)
+    for hole, patch in zip(design.tessellation.holes, grid, strict=True):
+        a, b, c, d = design.deployed[hole]
+        rows = [[a, (a + d) / 2, d], [(a + b) / 2, (a + b + c + d) / 4, (c + d) / 2], [b, (b + c) / 2, c]]
+        assert patch == pytest.approx(np.array(rows), abs=1e-12)
+
+
+def test_no_samples_for_flagged_holes_or_other_polygons(flat_design):
+    holes = hole_patches(flat_design(2, 2).deployed, flat_design(2, 2).tessellation)
+    flagged = replace(holes, ill_conditioned=np.arange(len(holes.patches)) == 3)
+    assert np.isnan(flagged.sample(4)).all(axis=(1, 2, 3)).tolist() == [k == 3 for k in range(len(holes.patches))]
+    triangles = replace(holes, corners=Loops.from_lists([loop[:3] for loop in holes.corners]))
+    assert np.isnan(triangles.sample(2)).all()
+    with pytest.raises(ParameterError, match="at least 2"):
+        holes.sample(1)
 
 
 def test_points_on_a_conic_are_ill_conditioned():

@@ -1,0 +1,98 @@
+"""Every constraint block obeys the laws of blocks, and says what it should on known shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from kirisurf.constraints.angle import FullTurns
+from kirisurf.constraints.edge import LongEdges
+from kirisurf.constraints.length import EqualLengths
+from kirisurf.constraints.opening import OpenHinges
+from kirisurf.constraints.planarity import FlatTiles
+from kirisurf.constraints.surface import OnSurface
+from kirisurf.corner_angle import corner_angles
+from kirisurf.pattern import quad_pattern
+from kirisurf.projection import Projection
+from tests.kirisurf.block_laws import bumpy_sheet, check_block
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", ["length", "angle", "planarity", "opening", "edge"])
+def test_laws(kind: str, seed: int) -> None:
+    tessellation, points = bumpy_sheet(seed)
+    block = {
+        "length": lambda: EqualLengths(tessellation),
+        "angle": lambda: FullTurns(tessellation, 4),
+        "planarity": lambda: FlatTiles(tessellation, 4),
+        "opening": lambda: OpenHinges(tessellation, 0.05, points),
+        "edge": lambda: LongEdges(tessellation, 0.1),
+    }[kind]()
+    check_block(block, points)
+
+
+def test_overhanging_tiles_have_the_right_derivatives() -> None:
+    """Where the projection of a tile on the xy plane is clockwise, the published gradient has the wrong sign."""
+    tessellation, points = bumpy_sheet(4)
+    over = points * [1.0, -1.0, -1.0]
+    check_block(FullTurns(tessellation, 4), over)
+    check_block(OpenHinges(tessellation, 0.05, over), over)
+
+
+def test_surface_block_obeys_the_laws_with_its_model_frozen() -> None:
+    tessellation, points = bumpy_sheet()
+    rng = np.random.default_rng(3)
+    n = tessellation.n_vertices
+    normals = rng.standard_normal((n, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    shape = rng.standard_normal((n, 3, 3))
+    shape = shape + np.swapaxes(shape, 1, 2)
+    tangent = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    projection = Projection(
+        points=points + 0.1,
+        distances=np.full(n, 0.1),
+        normals=normals,
+        shape_operators=tangent @ shape @ tangent,
+        faces=np.zeros(n, np.int64),
+        on_rim=np.zeros(n, bool),
+        rim_points=points,
+        rim_conormals=normals,
+    )
+    check_block(OnSurface(np.arange(n), projection), points, invariant=False)
+
+
+@pytest.mark.parametrize("rotation", [0.15, 0.5, np.pi / 4])
+def test_the_regular_pattern_meets_every_rigid_row(rotation: float) -> None:
+    tessellation = quad_pattern(3, 2, rotation)
+    points = np.column_stack([2 * tessellation.deployed, np.zeros(tessellation.n_vertices)])
+    for block in (EqualLengths(tessellation), FullTurns(tessellation, 4), FlatTiles(tessellation, 4)):
+        np.testing.assert_allclose(block.residual(points), 0.0, atol=1e-13)
+    # unit squares with opening 2 rotation: the row is the product of the sines of opening and tile angle
+    rows = OpenHinges(tessellation, 0.0, points).residual(points)
+    np.testing.assert_allclose(rows, np.sin(2 * rotation), atol=1e-12)
+
+
+def test_an_overlapping_hinge_is_negative() -> None:
+    tessellation = quad_pattern(2, 2, 0.2)
+    points = np.column_stack([2 * tessellation.deployed, np.zeros(tessellation.n_vertices)])
+    block = OpenHinges(tessellation, 0.0, points)
+    assert block.residual(points).min() > 0
+    end = tessellation.hinges[tessellation.slit_ends][0]
+    crossed = points.copy()
+    crossed[end[0]], crossed[end[2]] = points[end[2]], points[end[0]]
+    assert block.residual(crossed)[0, 0] < 0
+
+
+def test_corner_angles_of_known_triangles() -> None:
+    corners = np.array([[[0, 1, 0], [0, 0, 0], [1, 0, 0]], [[1, 1, 0], [0, 0, 0], [1, 0, 0]]], float)
+    np.testing.assert_allclose(corner_angles(corners), [np.pi / 2, np.pi / 4], atol=1e-15)
+
+
+def test_planarity_is_the_volume() -> None:
+    tessellation = quad_pattern(1, 1, 0.5)
+    points = np.column_stack([2 * tessellation.deployed, np.zeros(tessellation.n_vertices)])
+    lifted = points.copy()
+    tile = tessellation.tiles[0]
+    lifted[tile[3], 2] += 0.3
+    # unit square, one corner lifted by 0.3: six times the tetrahedron's volume
+    assert FlatTiles(tessellation, 4).residual(lifted)[0, 0] == pytest.approx(0.3, abs=1e-12)
