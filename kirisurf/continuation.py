@@ -1,7 +1,9 @@
-"""Continuation: from a stiff sheet to a soft one, where a direct solve does not converge.
+"""Continuation: what is done where one direct solve is not enough.
 
-Each stage starts at the last one's best point and is held near it, so that the sheet first becomes feasible
-far from a difficult target and then approaches it.
+From a stiff sheet to a soft one, where the direct solve does not converge: each stage starts at the last
+one's best point and is held near it, so that the sheet first becomes feasible far from a difficult target
+and then approaches it. And recentering, where it converged far from the target: the sheet is held near its
+solution instead of near its start, as long as that pays.
 """
 
 from __future__ import annotations
@@ -26,6 +28,11 @@ STAGES = (
     Weights(fairness=0.03, proximity=1.0),
 )
 STEPS_EACH = 60
+FAR = 0.04
+"""Root mean square distance to the target (tile edges) above which a solution is recentered."""
+MOST_RECENTERINGS = 3
+PAYS = 0.9
+"""Factor by which the distance must fall for one more recentering."""
 
 Formulate = Callable[[np.ndarray, Weights], Callable[[np.ndarray], Problem]]
 """Gives, for a reference (n, 3) and weights, the problem as a function of where the target is modeled."""
@@ -56,7 +63,31 @@ class Continuation:
         progress: Progress | None = None,
         should_stop: ShouldStop | None = None,
     ) -> tuple[Outcome, tuple[str, ...]]:
-        """Return the outcome and a sentence on how it was reached, where that was not the direct way."""
+        """Return the outcome and sentences on how it was reached, where that was not the direct way."""
+        outcome, notes = self._solved(formulate, start, progress, should_stop)
+        count = 0
+        while outcome.status is Status.CONVERGED and self.in_stages and count < MOST_RECENTERINGS:
+            at = formulate(outcome.points, Weights())
+            before = _distance(at(outcome.points), outcome.points)
+            if before <= FAR:
+                break
+            solver = self.make_solver(replace(self.limits, max_steps=STEPS_EACH))
+            found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
+            after = _distance(at(found.points), found.points)
+            history = outcome.history + found.history
+            if found.status is not Status.CONVERGED or after > PAYS * before:
+                outcome = replace(outcome, history=history)
+                break
+            outcome, count = replace(found, history=history), count + 1
+        if count:
+            notes += (
+                f"Solve: recentered {count} time{'s' * (count > 1)}, which brought the sheet closer to the target.",
+            )
+        return outcome, notes
+
+    def _solved(
+        self, formulate: Formulate, start: np.ndarray, progress: Progress | None, should_stop: ShouldStop | None
+    ) -> tuple[Outcome, tuple[str, ...]]:
         began = time.perf_counter()
         at = formulate(start, Weights())
         direct = self.make_solver(self.limits).solve(at(start), start, at, progress, should_stop)
@@ -83,6 +114,12 @@ class Continuation:
 
 
 _FINAL = (Status.CONVERGED, Status.INTERRUPTED, Status.TIME_LIMIT)
+
+
+def _distance(problem: Problem, points: np.ndarray) -> float:
+    """Root mean square signed distance to the target in the objective; 0 where it is a constraint."""
+    rows = [term.block.residual(points) for term in problem.terms if term.block.name == "surface"]
+    return float(np.sqrt(np.mean(np.concatenate(rows) ** 2))) if rows else 0.0
 
 
 def _worst(outcome: Outcome) -> float:

@@ -107,7 +107,7 @@ def _slit_ends(tessellation: Tessellation) -> list[tuple[int, int]]:
     """(slit edge, welded vertex) of every hinge that a slit runs into."""
     sides = _slit_of_side(tessellation)
     closing = tessellation.hinges[tessellation.slit_ends].tolist()
-    return [(sides[before, hinge], int(tessellation.weld[hinge])) for before, hinge, _, _ in closing]
+    return [(sides[before, hinge], int(tessellation.weld[hinge])) for before, hinge, *_ in closing]
 
 
 def _slit_groups(tessellation: Tessellation) -> list[np.ndarray]:

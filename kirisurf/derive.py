@@ -62,7 +62,8 @@ def derive_tessellation(
     )
     hinged = np.flatnonzero(following != np.arange(len(following)))
     other = following[hinged]
-    hinges = np.stack([corners[hinged, 0], corners[hinged, 1], corners[other, 2], corners[other, 0]], axis=1)
+    first, second = corners[hinged], corners[other]
+    hinges = np.stack([first[:, 0], first[:, 1], second[:, 2], second[:, 0], first[:, 2]], axis=1)
 
     holes, hole_tiles, outlines = _trace(succ, start, end, rim, tiles.owners)
     rings, ring_vertices = _rings(weld, start, end, rim)

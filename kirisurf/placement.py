@@ -110,9 +110,9 @@ def trimmed_placement(
             if score > best_score + CLOSE:
                 best, best_score = found, score
     if best is None or best.n_tiles > 2 * n_tiles + 4:
-        found = "none of at least four" if best is None else f"one of {best.n_tiles} at least"
+        room = "none of at least four" if best is None else f"one of {best.n_tiles} at least"
         raise UnusableError(
-            f"{flattening.surface.name}: expected room for a sheet of about {n_tiles} tiles, found {found}; "
+            f"{flattening.surface.name}: expected room for a sheet of about {n_tiles} tiles, found {room}; "
             "the outline is too narrow for tiles of that size: ask for more tiles (--tiles), or take a wider part"
         )
     return best

@@ -116,6 +116,7 @@ def report_parts(
 
     holes = {name: values for (where, name), values in fields.items() if where == "hole"}
     beside = result["certificate_beside"]
+    judged_beside = {name: beside[name] for name in beside["limits"] if name in beside}
     width, height = np.ptp(contracted, axis=0).tolist()
     units = str(result["units"])
     return ReportParts(
@@ -123,7 +124,7 @@ def report_parts(
         target_name=str(result["target"]["name"]),
         units="unit" if "assumed" in units else units,
         result={key: value for key, value in result.items() if key != "seconds"},
-        certificate=result["certificate"],
+        certificate={**result["certificate"], **judged_beside},
         limits=beside["limits"],
         failures=tuple(beside["failures"]),
         fields={key: values for key, values in fields.items() if values.ndim == 1},

@@ -46,10 +46,10 @@ class Tessellation:
         Vertices round every closed hole, counter-clockwise seen from the front (the hole on the left).
     hole_tiles : Loops
         Tiles round every hole, each once.
-    hinges : (k, 4)
-        One row for every gap between two neighbouring tiles at a hinge: (end of the first tile's side,
-        hinge vertex, end of the second tile's side, other neighbour of the hinge vertex in the second
-        tile). Counter-clockwise about the hinge vertex, the gap lies between the two sides.
+    hinges : (k, 5)
+        One row for every gap between two neighboring tiles at a hinge: (end of the first tile's side,
+        hinge vertex, end of the second tile's side, other neighbor of the hinge vertex in the second
+        tile, and in the first). Counter-clockwise about the hinge vertex, the gap lies between the two sides.
     slit_ends : (k,) bool
         True where the two sides are the copies of one slit edge: the gap closes on contraction.
     outline : (o,)
@@ -70,7 +70,7 @@ class Tessellation:
     ring_vertices: Int[np.ndarray, " r"]
     holes: Loops
     hole_tiles: Loops
-    hinges: Int[np.ndarray, "k 4"]
+    hinges: Int[np.ndarray, "k 5"]
     slit_ends: np.ndarray
     outline: Int[np.ndarray, " o"]
     sides: Mapping[str, np.ndarray]

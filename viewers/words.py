@@ -71,6 +71,11 @@ _ROWS = {
     "pieces": ("One piece", "Parts that hinges hold together.", "pieces"),
     "flipped": ("No tile turned over", "Tiles of the flat sheet that lie face down.", "tiles"),
     "flatness": ("The closed sheet is flat", "Largest distance of its vertices from one plane.", "of a tile edge"),
+    "distance_smooth_max": (
+        "Vertices on the smooth target",
+        "The deployed vertex farthest from the smooth surface that the target's mesh stands for.",
+        "of a tile edge",
+    ),
     "coverage_strict": (
         "Strict coverage",
         "Part of the target under tiles and closed holes alone.",

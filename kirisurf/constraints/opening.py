@@ -13,9 +13,11 @@ from kirisurf.tessellation import Tessellation
 
 
 class OpenHinges:
-    """One inequality row for every slit end: a is the hinge, b ends the first side, c the second, d goes on.
+    """Two inequality rows for every slit end: a is the hinge, b ends one side, c the other, d goes on in c's tile.
 
-    Positive where the slit opens the right way about the second tile's normal; the margin keeps it open.
+    A row is positive where the slit opens the right way about the normal of one tile; the margin keeps it open.
+    Why two, where the paper has one: between tiles that are folded sharply against each other a slit can be open
+    about the one normal and closed about the other, and then also about their mean.
     """
 
     name = "opening"
@@ -25,7 +27,8 @@ class OpenHinges:
         self.margin = margin
         self._scale = np.ones(1)
         ends = tessellation.hinges[tessellation.slit_ends]
-        self.stencil = ends[:, [1, 0, 2, 3]]
+        # (u x v).(v x w) with the roles of the two tiles exchanged changes sign twice: both rows are alike
+        self.stencil = np.concatenate([ends[:, [1, 0, 2, 3]], ends[:, [1, 2, 0, 4]]])
         self.curvature_stencil = self.stencil
         u, v, w, _, _ = self._parts(start)
         lu, lv, lw = (np.linalg.norm(side, axis=1) for side in (u, v, w))

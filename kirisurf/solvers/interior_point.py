@@ -126,6 +126,8 @@ class InteriorPoint:
                 at = Linearization.at(refresh(here.points), here.points)
                 filter_.clear()
                 frozen = here.moved < self.freeze_below
+            if not at.is_finite:
+                return ended(Status.NOT_FINITE)
             step = self._record(at, here, time.perf_counter() - began)
             history.append(step)
             if progress is not None:

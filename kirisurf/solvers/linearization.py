@@ -39,7 +39,12 @@ class Linearization:
 
     @classmethod
     def at(cls, problem: Problem, points: np.ndarray) -> Linearization:
-        """Evaluate a problem."""
+        """Evaluate a problem; values that are not finite are left to `is_finite`."""
+        with np.errstate(all="ignore"):
+            return cls._at(problem, points)
+
+    @classmethod
+    def _at(cls, problem: Problem, points: np.ndarray) -> Linearization:
         residuals = tuple(t.block.residual(points) for t in problem.terms)
         jacobians = tuple(t.block.jacobian(points) for t in problem.terms)
         gradient = np.zeros(3 * problem.n_vertices)
@@ -57,6 +62,13 @@ class Linearization:
             term_jacobians=jacobians,
             term_residuals=residuals,
         )
+
+    @property
+    def is_finite(self) -> bool:
+        """Are all values and first derivatives finite?"""
+        jacobians = (*self.equality_jacobians, *self.inequality_jacobians)
+        vectors = (self.gradient, self.equality, self.inequality, *jacobians)
+        return bool(np.isfinite(self.objective)) and all(bool(np.isfinite(v).all()) for v in vectors)
 
     def equality_transpose(self, multipliers: np.ndarray) -> np.ndarray:
         """J_E' multipliers, (3 n,)."""

@@ -1,0 +1,167 @@
+"""A finished run, read back from its folder."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from kirisurf.arrays import frozen
+from kirisurf.derive import derive_tessellation
+from kirisurf.errors import KirisurfError, UnreadableError
+from kirisurf.formats import read_polygons, read_surface, source
+from kirisurf.formats.vtk_files import PolygonsWithFields, read_with_fields
+from kirisurf.loops import Loops
+from kirisurf.runs.folder import RESULT
+from kirisurf.runs.record import sha256
+from kirisurf.spec import FitSpec
+from kirisurf.surface import Surface
+from kirisurf.tessellation import Tessellation
+
+SPEC = "run.toml"
+DEPLOYED, CONTRACTED, HOLES, TARGET = "deployed", "contracted", "holes", "target"
+# What a run is read from; the report, the pictures and the tables may be edited or rewritten.
+_READ = (SPEC, "deployed.obj", "contracted.obj", "deployed.vtp", "contracted.vtp", "holes.vtp", "target.vtp")
+# Fields that carry the tessellation itself; everything else in the VTP files is a measure.
+WELD, CELL, STANDARD_DEPLOYED, STANDARD_CONTRACTED = "weld", "cell", "standard_deployed", "standard_contracted"
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A run folder; everything but the record is read when it is first asked for.
+
+    Attributes
+    ----------
+    folder : Path
+    spec : FitSpec
+    result : mapping
+        The content of `result.json`.
+    """
+
+    folder: Path
+    spec: FitSpec
+    result: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return self.folder.name
+
+    @property
+    def origin(self) -> Float[np.ndarray, " 3"]:
+        """Origin (3,) of the run's files in the frame of the target file; zero unless that lies far away."""
+        return frozen(self.result["origin"])
+
+    @property
+    def certificate(self) -> Mapping[str, float | int | None]:
+        """Rows of the certificate, as recorded."""
+        return self.result["certificate"]
+
+    @cached_property
+    def deployed(self) -> Float[np.ndarray, "n 3"]:
+        """Deployed points (n, 3)."""
+        return self._states[0]
+
+    @cached_property
+    def contracted(self) -> Float[np.ndarray, "n 2"]:
+        """Contracted points (n, 2)."""
+        return frozen(self._states[1][:, :2])
+
+    @cached_property
+    def tessellation(self) -> Tessellation:
+        """The tessellation, derived anew from the tiles and the welding in the files."""
+        points, cells = self._fields_of(CONTRACTED).point_fields, self._fields_of(CONTRACTED).cell_fields
+        try:
+            return derive_tessellation(
+                points[STANDARD_DEPLOYED][:, :2],
+                points[STANDARD_CONTRACTED][:, :2],
+                self._states[2],
+                points[WELD].ravel().astype(np.int64),
+                cells[CELL].astype(np.int64),
+                self.spec.tessellation,
+            )
+        except KeyError as missing:
+            raise UnreadableError(
+                f"{self.folder / 'contracted.vtp'}: expected the field {missing}, got a file without it"
+            ) from None
+
+    @cached_property
+    def target(self) -> Surface:
+        """The target surface, in the frame of the run's files."""
+        surface = read_surface(self.folder / "target.vtp")
+        return Surface(surface.vertices, surface.faces, str(self.result["target"]["name"]))
+
+    @cached_property
+    def fields(self) -> Mapping[tuple[str, str], np.ndarray]:
+        """Measured fields: {(vertex, tile or hole; name): values}."""
+        deployed, holes = self._fields_of(DEPLOYED), self._fields_of(HOLES)
+        found = {("vertex", name): values for name, values in deployed.point_fields.items()}
+        found |= {("tile", name): values for name, values in deployed.cell_fields.items()}
+        found |= {("hole", name): values for name, values in holes.cell_fields.items()}
+        return {key: frozen(values) for key, values in found.items()}
+
+    @cached_property
+    def _states(self) -> tuple[np.ndarray, np.ndarray, Loops]:
+        deployed, tiles = read_polygons(self.folder / "deployed.obj")
+        contracted, _ = read_polygons(self.folder / "contracted.obj")
+        return deployed, contracted, tiles
+
+    @cached_property
+    def _read_fields(self) -> dict[str, PolygonsWithFields]:
+        return {}
+
+    def _fields_of(self, name: str) -> PolygonsWithFields:
+        if name not in self._read_fields:
+            self._read_fields[name] = read_with_fields(source.load(self.folder / f"{name}.vtp"))
+        return self._read_fields[name]
+
+
+def read_run(folder: str | os.PathLike[str]) -> Run:
+    """Open a run folder.
+
+    Raises
+    ------
+    UnreadableError
+        Where the folder is missing, holds no finished run, or one of the files that a run is read from is
+        missing or has changed since the run was written.
+    """
+    path = Path(folder)
+    if not path.is_dir():
+        got = "a file" if path.exists() else "a name that does not exist"
+        raise UnreadableError(f"{path}: expected a run folder, got {got}")
+    try:
+        result = json.loads((path / RESULT).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise UnreadableError(
+            f"{path}: expected a run folder with {RESULT}, got one without: no finished run"
+        ) from None
+    except (OSError, ValueError) as problem:
+        raise UnreadableError(f"{path / RESULT}: expected the record of a run, got {problem}") from None
+    listed = result.get("files") if isinstance(result, dict) else None
+    if not isinstance(listed, dict) or not {"status", "certificate", "origin", "target"} <= set(result):
+        raise UnreadableError(f"{path / RESULT}: expected the record of a kirisurf run, got another file")
+    for name in _READ:
+        _check_file(path / name, listed.get(name))
+    try:
+        spec = FitSpec.from_toml((path / SPEC).read_text(encoding="utf-8"), str(path / SPEC))
+    except (KirisurfError, ValueError) as problem:
+        raise UnreadableError(str(problem)) from None
+    return Run(path, spec, result)
+
+
+def _check_file(path: Path, expected: object) -> None:
+    if not isinstance(expected, str):
+        raise UnreadableError(f"{path.parent / RESULT}: expected the hash of {path.name}, got none")
+    try:
+        found = sha256(path)
+    except OSError as problem:
+        raise UnreadableError(f"{path}: expected this file of the run, got: {problem.strerror or problem}") from None
+    if found != expected:
+        raise UnreadableError(f"{path}: expected the file that the run wrote, got one that has changed since (hash)")
