@@ -132,7 +132,8 @@ def _mean_value_embedding(surface: Surface) -> np.ndarray:
 
 def _cells(segments: np.ndarray) -> np.ndarray:
     """The bounded cells of an arrangement of segments, as polygons."""
-    noded = shapely.union_all(shapely.linestrings(segments))
+    # a grid finer than anything that counts here: segments on each other up to rounding are noded safely
+    noded = shapely.union_all(shapely.linestrings(segments), grid_size=1e-12)
     return shapely.get_parts(shapely.polygonize([noded]))
 
 

@@ -48,12 +48,15 @@ class Continuation:
         Limits to Solver.
     limits : Limits
         Of the direct solve; the time limit holds for everything.
+    suffices : callable
+        Does a solution (n, 3) have the edges and openings that were asked for, by its own sizes?
     in_stages : bool
         Whether a failed direct solve is followed by stages.
     """
 
     make_solver: Callable[[Limits], Solver]
     limits: Limits
+    suffices: Callable[[np.ndarray], bool]
     in_stages: bool = True
 
     def solve(
@@ -69,20 +72,21 @@ class Continuation:
         while outcome.status is Status.CONVERGED and self.in_stages and count < MOST_RECENTERINGS:
             at = formulate(outcome.points, Weights())
             before = _distance(at(outcome.points), outcome.points)
-            if before <= FAR:
+            short = not self.suffices(outcome.points)
+            if before <= FAR and not short:
                 break
             solver = self.make_solver(replace(self.limits, max_steps=STEPS_EACH))
             found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
             after = _distance(at(found.points), found.points)
             history = outcome.history + found.history
-            if found.status is not Status.CONVERGED or after > PAYS * before:
+            better = after <= PAYS * before or (short and self.suffices(found.points))
+            if found.status is not Status.CONVERGED or not better:
                 outcome = replace(outcome, history=history)
                 break
             outcome, count = replace(found, history=history), count + 1
         if count:
-            notes += (
-                f"Solve: recentered {count} time{'s' * (count > 1)}, which brought the sheet closer to the target.",
-            )
+            times = f"{count} time{'s' * (count > 1)}"
+            notes += (f"Solve: held near its solution instead of its start {times}, which improved it.",)
         return outcome, notes
 
     def _solved(
@@ -93,22 +97,24 @@ class Continuation:
         direct = self.make_solver(self.limits).solve(at(start), start, at, progress, should_stop)
         if direct.status in _FINAL or not self.in_stages:
             return direct, ()
-        outcome, history = direct, direct.history
+        outcome, history, stages = direct, direct.history, 0
         points = start
         for weights in STAGES:
             left = self.limits.max_seconds - (time.perf_counter() - began)
             limits = replace(self.limits, max_steps=STEPS_EACH, max_seconds=left)
             at = formulate(points, weights)
-            outcome = self.make_solver(limits).solve(at(points), points, at, progress, should_stop)
-            history += outcome.history
-            points = outcome.points
-            if outcome.status in (Status.INTERRUPTED, Status.TIME_LIMIT):
+            found = self.make_solver(limits).solve(at(points), points, at, progress, should_stop)
+            history, stages = history + found.history, stages + 1
+            points = found.points
+            if outcome.status is not Status.CONVERGED or found.status is Status.CONVERGED:
+                outcome = found
+            if found.status in (Status.INTERRUPTED, Status.TIME_LIMIT):
                 break
         if outcome.status is not Status.CONVERGED and _worst(direct) < _worst(outcome):
             return replace(direct, history=history), ()
         note = (
             "Solve: the direct way did not converge; the sheet was first held stiff and then softened in "
-            f"{len(STAGES)} stages, the last of which keeps it near the softest state that was reached."
+            f"{stages} of {len(STAGES)} stages, each of which starts from the one before."
         )
         return replace(outcome, history=history), (note,)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from kirisurf.errors import ParameterError
 from kirisurf.formats import read_polygons
 from kirisurf.loops import Loops
 from kirisurf.origin import moved
+from kirisurf.quadric_blend import QuadricBlend
 from kirisurf.runs.table import CENTER
 from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
@@ -53,9 +55,15 @@ def certified(
     """
     from analysis.certificate import certify
 
-    # Where the smooth surface behind the mesh is known, `exact` means: every vertex on it.
-    exact = {"distance_smooth_max": 1e-9} if spec.closeness == "exact" and surface.smooth is not None else None
-    return certify(deployed, contracted, tiles, surface, weld, exact)
+    limits = dict.fromkeys(("length", "angle", "planarity", "isometry", "closure", "loop"), spec.tolerance)
+    limits["min_edge"] = spec.min_edge
+    limits["opening_min"] = float(np.radians(spec.min_angle))
+    if spec.closeness == "exact":
+        # every vertex on the smooth surface: that of the sample, or the one that stands for the mesh
+        limits["distance_smooth_max"] = 1e-9
+        if surface.smooth is None:
+            surface = replace(surface, smooth=QuadricBlend(surface))
+    return certify(deployed, contracted, tiles, surface, weld, limits)
 
 
 def measured(tessellation: Tessellation, deployed: np.ndarray, contracted: np.ndarray, surface: Surface) -> Measures:
@@ -135,7 +143,7 @@ def origin_of(deployed: Any) -> np.ndarray:
             for _, line in zip(range(_ORIGIN_LINES), file, strict=False):
                 match = re.match(r"#\s*origin:\s*(\S+)\s+(\S+)\s+(\S+)", line)
                 if match:
-                    return np.array([float(word) for word in match.groups()])
+                    return _numbers(match.groups())
     return np.zeros(3)
 
 
@@ -151,3 +159,12 @@ def _state(state: Any) -> tuple[np.ndarray, Loops]:
         if points.ndim == 2 and points.shape[1] in (2, 3):
             return points, tiles if isinstance(tiles, Loops) else Loops.from_lists([np.asarray(t) for t in tiles])
     raise ParameterError(f"audit: expected a file, (points, tiles) or a pyvista mesh, got {type(state).__name__}")
+
+
+def _numbers(words: tuple[str, ...]) -> np.ndarray:
+    """Three finite numbers, or zeros: a comment of another program is no origin."""
+    try:
+        values = np.array([float(word) for word in words])
+    except ValueError:
+        return np.zeros(3)
+    return values if np.isfinite(values).all() else np.zeros(3)

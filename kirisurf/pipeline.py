@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -13,11 +14,14 @@ from jaxtyping import Float
 from kirisurf.arrays import frozen
 from kirisurf.continuation import Continuation
 from kirisurf.contract import contract
+from kirisurf.errors import LimitError
 from kirisurf.fit import Contracted, Fit, Step
 from kirisurf.formulation import Formulation, Weights
 from kirisurf.problem import Problem
-from kirisurf.scaling import unit_scale
-from kirisurf.solvers.choice import make_solver
+from kirisurf.quadric_blend import QuadricBlend
+from kirisurf.scaling import median_edge, unit_scale
+from kirisurf.sizes import slit_openings, tile_edges
+from kirisurf.solvers.choice import default_steps, make_solver
 from kirisurf.solvers.outcome import Limits
 from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
@@ -25,8 +29,12 @@ from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.topology import require_disk
 
-EDGE_MARGIN = 1.05
-"""The smallest edge is asked over the start's median edge; the finished sheet's may be a little larger."""
+MARGIN = 1.1
+"""Smallest edges and openings are asked of the solver with this factor, since it measures them by the sizes of
+the start, and the certificate by those of the finished sheet."""
+
+BYTES_PER_TILE = 60_000
+"""Peak memory of a solve with SciPy's factorization, measured from 16x16 to 64x64 tiles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,14 +101,20 @@ def fit_surface(
     """
     clock = time.perf_counter
     began = clock()
+    require_memory(spec)
     surface = require_disk(surface)
+    notes: tuple[str, ...] = ()
+    if spec.closeness == "exact" and surface.smooth is None:
+        surface = replace(surface, smooth=QuadricBlend(surface))
+        notes = (f"Exact: the target of every vertex is the smooth surface of {QuadricBlend.formula}.",)
     start = make_start(surface, spec)
     started = clock()
     frame, scaled = unit_scale(surface, start.tessellation, start.points)
     limits = Limits(
-        tolerance=min(spec.tolerance, 1e-11),
-        max_steps=spec.max_steps if spec.max_steps is not None else Limits.max_steps,
-        max_seconds=spec.max_seconds if spec.max_seconds is not None else Limits.max_seconds,
+        # two digits below what is promised, for the rounding of contraction and files
+        tolerance=float(np.clip(1e-2 * spec.tolerance, 1e-13, 1e-11)),
+        max_steps=spec.max_steps if spec.max_steps is not None else default_steps(spec.solver),
+        max_seconds=np.inf if spec.max_seconds is None else spec.max_seconds - (started - began),
     )
 
     def formulate(reference: np.ndarray, weights: Weights) -> Callable[[np.ndarray], Problem]:
@@ -110,11 +124,19 @@ def fit_surface(
             scaled,
             weights,
             exact=spec.closeness == "exact",
-            margin=float(np.sin(np.radians(spec.min_angle))),
-            smallest_edge=EDGE_MARGIN * spec.min_edge,
+            margin=MARGIN * float(np.sin(np.radians(spec.min_angle))),
+            smallest_edge=MARGIN * spec.min_edge * median_edge(start.tessellation, reference),
         ).problem_at
 
-    continuation = Continuation(partial(make_solver, spec.solver), limits, in_stages=spec.max_steps is None)
+    def suffices(points: np.ndarray) -> bool:
+        edges = tile_edges(start.tessellation, points)
+        openings = slit_openings(start.tessellation, points)
+        return bool(
+            edges.min() >= spec.min_edge * np.median(edges)
+            and openings.min(initial=np.pi) >= np.radians(spec.min_angle)
+        )
+
+    continuation = Continuation(partial(make_solver, spec.solver), limits, suffices, spec.max_steps is None)
     outcome, note = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
     solved = clock()
     points = frozen(frame.back(outcome.points))
@@ -125,7 +147,27 @@ def fit_surface(
         initial=frozen(start.points),
         fit=fit,
         contracted=contracted,
-        notes=start.notes + note,
+        notes=notes + start.notes + note,
         warnings=start.warnings,
         seconds={"start": started - began, "solve": solved - started, "contract": clock() - solved},
     )
+
+
+def require_memory(spec: FitSpec) -> None:
+    """Refuse a pattern whose solve would not fit into the memory that is free now.
+
+    Raises
+    ------
+    LimitError
+        With the number of tiles that would fit.
+    """
+    tiles = 4 * spec.cells[0] * spec.cells[1] if spec.cells is not None else spec.tiles or 0
+    try:
+        free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return
+    if tiles * BYTES_PER_TILE > free:
+        raise LimitError(
+            f"memory: expected at most about {free // BYTES_PER_TILE} tiles for the {free / 1e9:.1f} GB that are free, "
+            f"got {tiles}; ask for fewer (--tiles, --cells)"
+        )

@@ -19,6 +19,9 @@ CLOSE = 1e-6
 MOST_SQUARES = 100
 """Lattice squares that are looked at for one tile asked for; an outline that needs more is a thin strip."""
 
+MOST_UNEQUAL = 1.25
+"""Ratio of proportions up to which a fitted lattice is stretched to its rectangle."""
+
 FINE = 0.02
 """Part of the spacing by which the outline may be simplified before squares are cut by it."""
 
@@ -60,10 +63,10 @@ class Placement:
 
 
 def main_direction(outline: shapely.Polygon) -> float:
-    """Angle (radians) of the smallest rectangle round an outline, the first found among equals.
+    """Direction (radians) of the long side of the smallest rectangle round an outline, the first among equals.
 
-    The result lies in a window of 90 degrees whose ends are no usual angle, so that rounding never
-    decides between two equal directions.
+    The result lies in a window (of 180 degrees, of 90 for a square) whose ends are no usual angle, so that
+    rounding never decides between two equal directions.
     """
     hull = np.asarray(outline.convex_hull.exterior.coords)
     step = np.diff(hull, axis=0)
@@ -72,9 +75,15 @@ def main_direction(outline: shapely.Polygon) -> float:
         hull @ np.stack([f(angles), g(angles)]) for f, g in ((np.cos, np.sin), (lambda a: -np.sin(a), np.cos))
     )
     areas = np.ptp(across, axis=0) * np.ptp(along, axis=0)
-    angle = angles[np.flatnonzero(areas <= (1 + CLOSE) * areas.min())[0]]
+    best = np.flatnonzero(areas <= (1 + CLOSE) * areas.min())[0]
+    long, short = np.ptp(across[:, best]), np.ptp(along[:, best])
+    angle, period = angles[best], np.pi
+    if abs(long - short) <= CLOSE * long:
+        period = np.pi / 2
+    elif long < short:
+        angle = angle + np.pi / 2
     low = np.radians(-33.7)
-    return float((angle - low) % (np.pi / 2) + low)
+    return float((angle - low) % period + low)
 
 
 def trimmed_placement(
@@ -159,13 +168,13 @@ def _trimmed(
 def rectangle_placement(flattening: Flattening, columns: int, rows: int) -> Placement:
     """Lay columns x rows unit cells on a flattening to a rectangle [0, width] x [0, height].
 
-    The lattice is stretched to the rectangle where their proportions differ by less than a quarter, else it
-    keeps its proportions and lies in the middle.
+    The lattice is stretched to the rectangle where their proportions differ by less than `MOST_UNEQUAL`, else
+    it keeps its proportions and lies in the middle.
     """
     size = np.ptp(flattening.uv, axis=0)
     low = flattening.uv.min(axis=0)
     scale = size / np.array([columns, rows])
-    if scale.max() > 1.25 * scale.min():
+    if scale.max() > MOST_UNEQUAL * scale.min():
         scale = np.full(2, scale.min())
     scale = scale * (1 - INSET / np.array([columns, rows]))
     origin = low + 0.5 * (size - scale * np.array([columns, rows]))

@@ -8,6 +8,7 @@ import numpy as np
 
 from kirisurf.closest import ClosestPoints
 from kirisurf.projection import Projection
+from kirisurf.sizes import tile_edges
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 
@@ -58,9 +59,12 @@ class Scaled:
         )
 
 
+def median_edge(tessellation: Tessellation, points: np.ndarray) -> float:
+    """Return the median length of the tile edges."""
+    return float(np.median(tile_edges(tessellation, points)))
+
+
 def unit_scale(surface: Surface, tessellation: Tessellation, points: np.ndarray) -> tuple[Frame, Scaled]:
     """Return the frame of a start and the target in it."""
-    ends = points[tessellation.tiles.edges]
-    length = float(np.median(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)))
-    frame = Frame(surface.vertices.mean(axis=0), length)
+    frame = Frame(surface.vertices.mean(axis=0), median_edge(tessellation, points))
     return frame, Scaled(surface, frame)

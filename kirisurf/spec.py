@@ -18,6 +18,8 @@ INITIALS = ("auto", "standard", "rescaled", "conformal", "teichmuller", "analyti
 SOLVERS = ("auto", "newton", "slsqp", "trust-constr")
 UNITS = ("um", "mm", "cm", "m", "in", "ft")
 DEFAULT_TILES = 300
+LEAST_TOLERANCE = 1e-12
+"""What double precision lets a certificate of several hundred tiles promise."""
 
 # Named by the interface, built by later versions: refused by name, never silently ignored.
 _LATER_TESSELLATIONS = TESSELLATIONS[1:]
@@ -49,7 +51,7 @@ class FitSpec:
     solver : str
         One of `SOLVERS`.
     tolerance : float
-        Largest residual of every constraint row (dimensionless: lengths over the tile edge, radians).
+        Largest rigid row of the certificate (dimensionless: lengths over the tile edge, radians).
     max_seconds : float or None
         Limit of the solve in seconds; the best point so far is saved.
     max_steps : int or None
@@ -95,7 +97,7 @@ class FitSpec:
     initial: str = "auto"
     contracted: str = "free"
     solver: str = "auto"
-    tolerance: float = 1e-10
+    tolerance: float = 1e-9
     max_seconds: float | None = None
     max_steps: int | None = None
     repair: bool = False
@@ -148,12 +150,17 @@ class FitSpec:
             hint = f" or {allowed!r}" if allowed else ""
             object.__setattr__(self, name, _checked_number(name, value, low, high, open_low, hint))
 
-        store("tolerance", 0.0, 1e-3, open_low=True)
+        store("tolerance", LEAST_TOLERANCE, 1e-3)
         store("min_edge", 0.0, 1.0)
         store("min_angle", 0.0, 90.0)
         store("kerf", 0.0, math.inf)
         store("opening", 0.0, 90.0, allowed="auto")
         store("orientation", -360.0, 360.0, allowed="auto")
+        if self.cells is not None and self.orientation != "auto":
+            raise ParameterError(
+                "--orientation: expected with --tiles only (--cells follows the corners of the outline), "
+                f"got {self.orientation} with --cells"
+            )
         for name in ("max_seconds", "hinge_width", "remesh_edge"):
             if getattr(self, name) is not None:
                 store(name, 0.0, math.inf, open_low=True)

@@ -11,12 +11,15 @@ from kirisurf.errors import UnusableError
 from kirisurf.flattening import Flattening, checked_flattening, flatten
 from kirisurf.guess import lay_quads, tile_centers
 from kirisurf.pattern import tile_pattern
-from kirisurf.placement import Placement, rectangle_placement, trimmed_placement
+from kirisurf.placement import CLOSE, MOST_UNEQUAL, Placement, rectangle_placement, trimmed_placement
 from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners
 from kirisurf.spec import DEFAULT_TILES, FitSpec
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.unit_cell import quad_cell
+
+LEAST_OPENING, MOST_OPENING = 6.0, 84.0
+"""Range of the slits' opening in a start, in degrees; 0 is closed, 90 fully open."""
 
 LEAST_STRETCH, MOST_STRETCH = 1.05, 1.40
 """Range of the stretch that is planned for: a quad sheet can give 1 to sqrt 2."""
@@ -57,41 +60,42 @@ def make_start(surface: Surface, spec: FitSpec) -> Start:
             f"The flattening of the target turned {conformal.n_repaired} faces over; the map was smoothed there. "
             "The start is less regular near them."
         )
-    base = _positions(surface, spec, conformal)
+    base = conformal
+    if spec.initial == "analytic":
+        flat = (surface.vertices - surface.vertices.mean(axis=0)) @ _mean_plane(surface, conformal).T
+        base = checked_flattening(surface, flat, "projection")
     if spec.cells is not None:
         flattening, placement = _rectangle(base, conformal, spec.cells, notes, warnings)
     else:
-        flattening, placement = base, _trimmed(base, spec, notes)
+        flattening, placement = base, _trimmed(base, spec, notes, warnings)
     tessellation = tile_pattern(quad_cell(0.5), placement.mask)
     asked = conformal.log_scale
     local = flattening.interpolate(asked, tile_centers(tessellation, placement))
     stretch = _stretch(local, spec, notes, warnings)
-    points = lay_quads(tessellation, placement, flattening, stretch)
+    least, most = np.radians(LEAST_OPENING), np.radians(MOST_OPENING)
+    points = lay_quads(tessellation, placement, flattening, stretch, least, most)
     if spec.initial == "flat":
-        points = _laid_flat(surface, conformal, flattening, placement, tessellation, stretch)
+        points = _laid_flat(surface, _mean_plane(surface, conformal), flattening, placement, tessellation, stretch)
         notes.append("Start: the pattern lies flat in the mean plane of the target (--initial flat).")
     return Start(tessellation, points, tuple(notes), tuple(warnings))
-
-
-def _positions(surface: Surface, spec: FitSpec, conformal: Flattening) -> Flattening:
-    if spec.initial != "analytic":
-        return conformal
-    plane = _mean_plane(surface)
-    return checked_flattening(surface, (surface.vertices - surface.vertices.mean(axis=0)) @ plane.T, "projection")
 
 
 def _rectangle(
     base: Flattening, conformal: Flattening, cells: tuple[int, int], notes: list[str], warnings: list[str]
 ) -> tuple[Flattening, Placement]:
     corners, found = rectangle_corners(conformal)
-    flattening = base if base.kind == "projection" else map_to_rectangle(conformal, corners)
-    placement = rectangle_placement(flattening, *cells)
+    tried = []
+    for turn in range(2):
+        flattening = base if base.kind == "projection" else map_to_rectangle(conformal, np.roll(corners, -turn))
+        tried.append((flattening, rectangle_placement(flattening, *cells)))
+    # columns along the long side or across it: whichever covers more, the former where both do alike
+    flattening, placement = tried[int(tried[1][1].overlap > tried[0][1].overlap + CLOSE)]
     width, height = np.ptp(flattening.uv, axis=0)
     where = (
         "the four corners of its outline" if found else "four points of its outline, which has no four clear corners"
     )
     notes.append(f"Placement: {cells[0]}x{cells[1]} unit cells fitted to {where} ({flattening.kind} map).")
-    if placement.overlap < 0.95:
+    if max(width * cells[1], height * cells[0]) > MOST_UNEQUAL * min(width * cells[1], height * cells[0]):
         fitting = max(1, round(cells[1] * width / height))
         warnings.append(
             f"The target is {width / height:.2f} times as long as wide, the pattern {cells[0] / cells[1]:.2f} times: "
@@ -100,12 +104,18 @@ def _rectangle(
     return flattening, placement
 
 
-def _trimmed(base: Flattening, spec: FitSpec, notes: list[str]) -> Placement:
+def _trimmed(base: Flattening, spec: FitSpec, notes: list[str], warnings: list[str]) -> Placement:
     angle = None if spec.orientation == "auto" else float(np.radians(float(spec.orientation)))
-    placement = trimmed_placement(base, spec.tiles or DEFAULT_TILES, angle)
+    asked = spec.tiles or DEFAULT_TILES
+    placement = trimmed_placement(base, asked, angle)
+    if abs(placement.n_tiles - asked) > 0.07 * asked + 4:
+        warnings.append(
+            f"{asked} tiles were asked for, {placement.n_tiles} were laid: "
+            "the outline leaves no sheet nearer to that number."
+        )
     reason = "the one of 0, 22.5, 45 and 67.5 that covers the outline best" if angle is None else "as asked"
     notes.append(
-        f"Placement: {placement.n_tiles} tiles on the conformal flattening, trimmed to the outline, turned by "
+        f"Placement: {placement.n_tiles} tiles on the {base.kind} map, trimmed to the outline, turned by "
         f"{np.degrees(placement.angle):.1f} degrees from its long side ({reason}); "
         f"the trimmed lattice and the outline share {100 * placement.overlap:.0f} % of their area."
     )
@@ -126,11 +136,15 @@ def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[
         stretch = asked + middle
     else:
         opening = 60.0 if spec.opening == "auto" else float(spec.opening)
+        opening = float(np.clip(opening, LEAST_OPENING, MOST_OPENING))
         half = np.radians(opening) / 2
         stretch = np.full(len(asked), np.log(np.cos(half) + np.sin(half)))
         if spec.initial != "standard":
             stretch = stretch + asked - np.median(asked)
-        notes.append(f"Opening: {opening:g} degrees as asked.")
+        reason = "as for every standard start" if spec.opening == "auto" else "as asked"
+        if spec.opening not in ("auto", opening):
+            reason = f"{spec.opening:g} was asked, starts lie between {LEAST_OPENING:g} and {MOST_OPENING:g}"
+        notes.append(f"Opening: {opening:g} degrees at the start ({reason}).")
     if spread > np.sqrt(2):
         warnings.append(
             f"The target asks for stretches that differ by a factor of {spread:.2f} over the sheet; quad tiles of one "
@@ -142,39 +156,45 @@ def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[
 
 def _laid_flat(
     surface: Surface,
-    conformal: Flattening,
+    plane: np.ndarray,
     flattening: Flattening,
     placement: Placement,
     tessellation: Tessellation,
     stretch: np.ndarray,
 ) -> np.ndarray:
     """The laid pattern, in the mean plane of the surface and turned like it."""
-    plane = _mean_plane(surface)
     center = surface.vertices.mean(axis=0)
-    flat = (surface.vertices - center) @ plane.T
     uv = flattening.uv - flattening.uv.mean(axis=0)
-    left, _, right = np.linalg.svd(uv.T @ flat)
-    turn = left @ right
-    if np.linalg.det(turn) < 0:
-        raise UnusableError(
-            f"{surface.name}: expected a surface that can be seen from one side, got one that folds over"
-        )
-    vertices = center + uv @ turn @ plane
+    vertices = center + uv @ _turn(surface, uv, (surface.vertices - center) @ plane.T) @ plane
     flat_surface = Surface.from_arrays(vertices, surface.faces, surface.name)
     moved = Flattening(flat_surface, flattening.uv, flattening.log_scale, flattening.kind)
     return lay_quads(tessellation, placement, moved, stretch)
 
 
-def _mean_plane(surface: Surface) -> np.ndarray:
-    """Two orthonormal rows (2, 3) that span the plane normal to the mean normal, right-handed with it."""
+def _mean_plane(surface: Surface, conformal: Flattening) -> np.ndarray:
+    """Two orthonormal rows (2, 3) that span the plane normal to the mean normal, right-handed with it.
+
+    Their direction in the plane is that of the conformal map, which belongs to the mesh and turns with it.
+    """
     normal = (surface.face_normals * surface.face_areas[:, None]).sum(axis=0)
     size = np.linalg.norm(normal)
     if size < 1e-6 * surface.area:
         raise UnusableError(f"{surface.name}: expected a surface with a front, got normals that cancel out")
     normal /= size
-    longest = surface.vertices - surface.vertices.mean(axis=0)
-    longest = longest - np.outer(longest @ normal, normal)
-    first = np.linalg.svd(longest.T @ longest)[0][:, 0]
-    first -= (first @ normal) * normal
+    first = np.eye(3)[np.argmin(np.abs(normal))]
+    first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(normal, first)])
+    plane = np.stack([first, np.cross(normal, first)])
+    flat = (surface.vertices - surface.vertices.mean(axis=0)) @ plane.T
+    return _turn(surface, conformal.uv - conformal.uv.mean(axis=0), flat) @ plane
+
+
+def _turn(surface: Surface, points: np.ndarray, goal: np.ndarray) -> np.ndarray:
+    """Rotation (2, 2) that brings flat points nearest to others (least squares): points @ rotation."""
+    left, _, right = np.linalg.svd(points.T @ goal)
+    turn = left @ right
+    if np.linalg.det(turn) < 0:
+        raise UnusableError(
+            f"{surface.name}: expected a surface that can be seen from one side, got one that folds over"
+        )
+    return turn

@@ -189,8 +189,8 @@ RESULTS = """\
 **Beside the published designs.** Every quadrilateral design on a surface that the paper's authors published, certified
 from its own files, and ours (`best`) for the same target mesh and number of unit cells: *theirs / ours*. *Rigid* is the
 largest residual of length, angle, planarity and isometry; *distance* (root mean square) and *farthest* are from the
-deployed vertices to the target mesh. Lengths are in tile edges, angles in radians. Theirs put every vertex on the
-surface, and so lie nearer to it; ours are sheets of rigid tiles to rounding, and keep their edges: {collapsed} of the
+deployed vertices to the target mesh. Lengths are in tile edges, angles in radians. Theirs ask for every vertex on the
+surface, and lie nearer to it; ours are sheets of rigid tiles to rounding, and keep their edges: {collapsed} of the
 {count} published ones have an edge below 1 % of the median. The sphere is closed: ours is for a cap of it.
 
 {beside}
@@ -198,8 +198,8 @@ surface, and so lie nearer to it; ours are sheets of rigid tiles to rounding, an
 **The published targets at 4×4 unit cells**, that is 8×8 tiles: `best` on the published meshes (sphere: our cap), and
 `exact`, which puts every vertex on the smooth surface, on our samples of them (*off smooth*: the largest distance to
 it). *Reach* is the largest distance from the target to the sheet. *K off by* is the median difference of the holes'
-Gaussian curvature to the target's, over the median of the target's: peaks and hats bend too much within one tile for a
-sheet of 64, even with every vertex on the surface.
+Gaussian curvature to the target's, over the median of the target's: 64 tiles do not resolve the curvature of peaks and
+hats, and with every vertex on the surface peaks is off as much.
 
 {four}
 

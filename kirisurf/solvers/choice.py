@@ -28,6 +28,11 @@ class Solver(Protocol):
         ...
 
 
+def default_steps(name: str) -> int:
+    """Return the limit of steps that suits a solver: first-order starts and dense updates need more."""
+    return {"slsqp": 500, "trust-constr": 2000}.get(name, Limits.max_steps)
+
+
 def make_solver(name: str, limits: Limits) -> Solver:
     """Return the solver of a name: auto and newton are the project's own, the others SciPy's."""
     if name in ("slsqp", "trust-constr"):

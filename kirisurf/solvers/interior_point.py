@@ -81,7 +81,7 @@ class InteriorPoint:
     last_barrier: float = 1e-8
     gauss_newton_above: float = 1e-2
     freeze_below: float = 0.05
-    max_refreezes: int = 3
+    max_refreezes: int = 8
     honest_model: float = 0.02
 
     def solve(
@@ -137,8 +137,11 @@ class InteriorPoint:
                 best, least = here.points, worst
             if frozen and self._is_done(step, here, worst):
                 renewed = None if refresh is None else Linearization.at(refresh(here.points), here.points)
-                if renewed is None or refreezes >= self.max_refreezes or self._is_honest(renewed, at):
+                if renewed is None or self._is_honest(renewed, at):
                     return ended(Status.CONVERGED)
+                if refreezes >= self.max_refreezes:
+                    # a constraint that the renewed model breaks is broken, whatever the frozen one said
+                    return ended(Status.CONVERGED if self._holds(renewed) else Status.STALLED)
                 at, refreezes = renewed, refreezes + 1
                 filter_.clear()
             if should_stop is not None and should_stop():
@@ -177,7 +180,11 @@ class InteriorPoint:
     def _is_honest(self, renewed: Linearization, at: Linearization) -> bool:
         """Does the renewed model of the target agree with the frozen one at the solution?"""
         same = abs(renewed.objective - at.objective) <= self.honest_model * abs(at.objective) + 1e-14
-        return same and float(np.abs(renewed.equality).max(initial=0.0)) <= self.limits.tolerance
+        return same and self._holds(renewed)
+
+    def _holds(self, at: Linearization) -> bool:
+        """Do the equalities hold?"""
+        return float(np.abs(at.equality).max(initial=0.0)) <= self.limits.tolerance
 
     def _with_lower_barrier(self, here: Iterate, step: Step, worst: float, filter_: Filter) -> Iterate:
         barrier = here.barrier

@@ -22,6 +22,11 @@ MAX_VARIABLES = {"slsqp": 700, "trust-constr": 3000}
 """Beyond these, SLSQP (dense) needs minutes for one step and trust-constr wanders."""
 
 
+_CONVERGED = {"slsqp": (0,), "trust-constr": (1, 2)}
+_STEP_LIMIT = {"slsqp": 9, "trust-constr": 0}
+"""SciPy's own numbers, which mean different things for its two methods."""
+
+
 class _Stopped(Exception):
     """Raised in a callback to leave SciPy's loop."""
 
@@ -59,7 +64,7 @@ class ScipyPeer:
         rounds = 1 if refresh is None else 3
         for _ in range(rounds):
             points, status = self._once(problem, points, history, began, progress, should_stop)
-            if status in (Status.INTERRUPTED, Status.TIME_LIMIT) or refresh is None:
+            if status is not Status.CONVERGED or refresh is None:
                 break
             problem = refresh(points)
         worst = max(problem.violations(points).values(), default=0.0)
@@ -103,7 +108,9 @@ class ScipyPeer:
         points = result.x.reshape(-1, 3)
         if not np.isfinite(points).all():
             return start, Status.NOT_FINITE
-        return points, Status.CONVERGED if result.status in (0, 1, 2) else Status.STALLED
+        if result.status in _CONVERGED[self.method]:
+            return points, Status.CONVERGED
+        return points, Status.STEP_LIMIT if result.status == _STEP_LIMIT[self.method] else Status.STALLED
 
     def _minimize(self, problem: Problem, x: np.ndarray, record: Callable[..., None]) -> OptimizeResult:
         def objective(v: np.ndarray) -> float:
@@ -149,7 +156,7 @@ class ScipyPeer:
                 NonlinearConstraint(rows, 0.0, 0.0, jac=slopes),
                 NonlinearConstraint(open_rows, 0.0, np.inf, jac=open_slopes),
             ],
-            options={"gtol": 1e-8, "xtol": 1e-12, "maxiter": 10 * self.limits.max_steps},
+            options={"gtol": 1e-8, "xtol": 1e-12, "maxiter": self.limits.max_steps},
         )
 
 
