@@ -12,8 +12,6 @@ prints help needs no NumPy.
 from __future__ import annotations
 
 import importlib
-import sys
-import types
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -36,6 +34,7 @@ if TYPE_CHECKING:
     from kirisurf.targets import samples as samples
 
 _HOMES = {
+    "fit": "kirisurf.design",
     "audit": "kirisurf.judging",
     "Design": "kirisurf.design",
     "KirisurfError": "kirisurf.errors",
@@ -54,7 +53,7 @@ _HOMES = {
     "samples": "kirisurf.targets",
 }
 
-__all__ = ["fit", *sorted(_HOMES), "__version__"]
+__all__ = [*sorted(_HOMES), "__version__"]
 
 
 def __getattr__(name: str) -> Any:
@@ -74,24 +73,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
-
-
-class _Package(types.ModuleType):
-    """The package itself, with a function that has the name of a submodule.
-
-    The import system would replace `kirisurf.fit`, the function, by the submodule of that name.
-    """
-
-    @property
-    def fit(self) -> Any:
-        """The function `kirisurf.design.fit`."""
-        from kirisurf.design import fit
-
-        return fit
-
-    @fit.setter
-    def fit(self, submodule: Any) -> None:
-        pass
-
-
-sys.modules[__name__].__class__ = _Package

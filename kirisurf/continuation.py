@@ -30,8 +30,10 @@ STAGES = (
 STEPS_EACH = 60
 FAR = 0.04
 """Root mean square distance to the target (tile edges) above which a solution is recentered."""
-MOST_RECENTERINGS = 3
-PAYS = 0.9
+MOST_RECENTERINGS = 8
+SOFT = Weights(fairness=1e-3, proximity=0.03)
+"""Weights of a recentering: tiles may differ more from their neighbors."""
+PAYS = 0.93
 """Factor by which the distance must fall for one more recentering."""
 
 Formulate = Callable[[np.ndarray, Weights], Callable[[np.ndarray], Problem]]
@@ -70,7 +72,7 @@ class Continuation:
         outcome, notes = self._solved(formulate, start, progress, should_stop)
         count = 0
         while outcome.status is Status.CONVERGED and self.in_stages and count < MOST_RECENTERINGS:
-            at = formulate(outcome.points, Weights())
+            at = formulate(outcome.points, SOFT)
             before = _distance(at(outcome.points), outcome.points)
             short = not self.suffices(outcome.points)
             if before <= FAR and not short:

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import breadth_first_order
 from scipy.sparse.linalg import splu
 
 from kirisurf.errors import UnusableError
-from kirisurf.fit import Contracted
+from kirisurf.states import Contracted
 from kirisurf.tessellation import Tessellation
 
 

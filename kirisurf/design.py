@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from kirisurf.fit import Step
 from kirisurf.loops import Loops
 from kirisurf.origin import moved, round_origin
 from kirisurf.pipeline import FitResult, fit_surface
 from kirisurf.spec import FitSpec
+from kirisurf.states import Step
 from kirisurf.status import Status
 from kirisurf.surface import Surface
 from kirisurf.targets import load, load_with_notes, prepared, resolved, target_name

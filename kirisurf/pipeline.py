@@ -15,7 +15,6 @@ from kirisurf.arrays import frozen
 from kirisurf.continuation import Continuation
 from kirisurf.contract import contract
 from kirisurf.errors import LimitError
-from kirisurf.fit import Contracted, Fit, Step
 from kirisurf.formulation import Formulation, Weights
 from kirisurf.problem import Problem
 from kirisurf.quadric_blend import QuadricBlend
@@ -25,6 +24,7 @@ from kirisurf.solvers.choice import default_steps, make_solver
 from kirisurf.solvers.outcome import Limits
 from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
+from kirisurf.states import Contracted, Fit, Step
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.topology import require_disk

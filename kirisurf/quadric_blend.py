@@ -32,6 +32,11 @@ class QuadricBlend:
         self._closest = ClosestPoints(mesh)
         self._mesh = mesh
         self._shape = vertex_shape_operators(mesh)
+        corners = mesh.vertices[mesh.faces]
+        opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+        # gradient of a barycentric coordinate: normal x opposite side / twice the area
+        turned = np.cross(mesh.face_normals[:, None], opposite)
+        self._weight_gradients = turned / (2 * mesh.face_areas)[:, None, None]
 
     def project(
         self, points: Float[np.ndarray, "n 3"]
@@ -57,6 +62,11 @@ class QuadricBlend:
             foot = foot - step
             if np.abs(step).max(initial=0.0) <= 1e-15 * self._mesh.diagonal:
                 break
+        # the weights change along the surface too: with their gradients the normal is that of f itself
+        away = foot[:, None] - at
+        bent = np.einsum("nkij,nkj->nki", shape, away)
+        quadrics = np.einsum("nki,nki->nk", away, normals - 0.5 * bent)
+        slope = slope + np.einsum("nk,nki->ni", quadrics, self._weight_gradients[faces])
         length = np.sqrt(np.maximum(np.einsum("ni,ni->n", slope, slope), 1e-300))
         unit = slope / length[:, None]
         tangent = np.eye(3) - unit[:, :, None] * unit[:, None, :]

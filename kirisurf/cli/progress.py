@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from kirisurf.fit import Step
+    from kirisurf.states import Step
 
 
 class Progress(Protocol):
@@ -32,7 +32,7 @@ def step_text(number: int, step: Step) -> str:
 
     Examples
     --------
-    >>> from kirisurf.fit import Step
+    >>> from kirisurf.states import Step
     >>> step_text(3, Step({"length": 1.5e-4, "angle": 2e-6}, 0.1, 1e-3, 0.2, 1.25))
     'step   3: length 1.5e-04  angle 2.0e-06  (1.2 s)'
     """

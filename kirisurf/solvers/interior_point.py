@@ -20,7 +20,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from kirisurf.fit import Step
 from kirisurf.problem import Problem
 from kirisurf.solvers.assembly import Assembly
 from kirisurf.solvers.direction import NewtonSystem
@@ -30,6 +29,7 @@ from kirisurf.solvers.linear import Ordering
 from kirisurf.solvers.linearization import Linearization, stencils
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
 from kirisurf.solvers.restoration import restore
+from kirisurf.states import Step
 from kirisurf.status import Status
 
 
@@ -81,7 +81,7 @@ class InteriorPoint:
     last_barrier: float = 1e-8
     gauss_newton_above: float = 1e-2
     freeze_below: float = 0.05
-    max_refreezes: int = 8
+    max_refreezes: int = 20
     honest_model: float = 0.02
 
     def solve(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kirisurf.fit import Step
 from kirisurf.problem import Problem
+from kirisurf.states import Step
 from kirisurf.status import Status
 
 

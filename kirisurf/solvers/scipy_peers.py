@@ -13,9 +13,9 @@ from scipy.sparse import csr_matrix, vstack
 
 from kirisurf.block import Block
 from kirisurf.errors import ParameterError
-from kirisurf.fit import Step
 from kirisurf.problem import Problem
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
+from kirisurf.states import Step
 from kirisurf.status import Status
 
 MAX_VARIABLES = {"slsqp": 700, "trust-constr": 3000}

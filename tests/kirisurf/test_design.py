@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -13,10 +12,10 @@ import pytest
 import kirisurf
 from kirisurf.design import Design
 from kirisurf.errors import ParameterError, UnreadableError, UnusableError
-from kirisurf.fit import Step
 from kirisurf.formats import to_polydata, write_obj
 from kirisurf.loops import Loops
 from kirisurf.spec import FitSpec
+from kirisurf.states import Step
 from kirisurf.surface import Surface
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -113,11 +112,6 @@ def test_audit_finds_a_fault_and_states_that_do_not_match(design: Design) -> Non
         kirisurf.audit((points, tiles), (points[:-1], tiles))
     with pytest.raises(ParameterError, match="expected a file"):
         kirisurf.audit(3, 4)
-
-
-def test_the_function_fit_is_not_hidden_by_the_module_of_that_name() -> None:
-    importlib.import_module("kirisurf.fit")
-    assert callable(kirisurf.fit)
 
 
 def test_every_public_name_exists_and_no_other() -> None:

@@ -175,7 +175,7 @@ def started(folder: Path, *words: str) -> subprocess.Popen[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_solve_is_saved(tmp_path: Path, number: signal.Signals) -> None:
-    child = started(tmp_path / "run", "peaks", "--cells", "12x12", "--tolerance", "1e-15", "--json")
+    child = started(tmp_path / "run", "peaks", "--cells", "16x16", "--tolerance", "1e-12", "--json")
     assert child.stderr is not None
     for line in child.stderr:
         if line.startswith("step"):

@@ -7,7 +7,7 @@ import io
 import pytest
 
 from kirisurf.cli.progress import Bar, Lines, step_text
-from kirisurf.fit import Step
+from kirisurf.states import Step
 
 
 def step(residual: float, seconds: float = 0.0) -> Step:

@@ -8,7 +8,6 @@ import pytest
 import sample_surfaces
 from kirisurf.constraints.edge import LongEdges
 from kirisurf.constraints.length import EqualLengths
-from kirisurf.fit import Step
 from kirisurf.formulation import Formulation, Weights
 from kirisurf.objective.proximity import Proximity
 from kirisurf.pattern import quad_pattern
@@ -20,6 +19,7 @@ from kirisurf.solvers.outcome import Limits
 from kirisurf.solvers.scipy_peers import ScipyPeer
 from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
+from kirisurf.states import Step
 from kirisurf.status import Status
 
 
