@@ -65,7 +65,9 @@ class InteriorPoint:
     ----------
     limits : Limits
     first_barrier, last_barrier : float
-        Barrier parameter at the start and at the end.
+        Barrier parameter at the start and at the end. Why they are equal: a bound need not be met to many
+        digits (it is a margin on openings and edges), and lowering the barrier costs steps: 17 instead of 12
+        on peaks at 16x16 tiles, 65 instead of 22 on the side of a boot.
     gauss_newton_above : float
         Largest violation above which the Gauss-Newton matrix is used.
     freeze_below : float
@@ -74,15 +76,19 @@ class InteriorPoint:
         How often a converged solve is continued with a renewed model.
     honest_model : float
         Relative difference of the objective, with the model of the target renewed, that ends the solve.
+    reach : float
+        Longest displacement in one step (tile edges): beyond it neither model of the target nor of the
+        constraints says much, and undamped steps can cycle.
     """
 
     limits: Limits = field(default_factory=Limits)
-    first_barrier: float = 1e-5
-    last_barrier: float = 1e-8
-    gauss_newton_above: float = 1e-2
+    first_barrier: float = 1e-4
+    last_barrier: float = 1e-4
+    gauss_newton_above: float = 0.1
     freeze_below: float = 0.05
     max_refreezes: int = 20
     honest_model: float = 0.02
+    reach: float = 0.5
 
     def solve(
         self,
@@ -124,7 +130,6 @@ class InteriorPoint:
         while True:
             if not frozen and refresh is not None:
                 at = Linearization.at(refresh(here.points), here.points)
-                filter_.clear()
                 frozen = here.moved < self.freeze_below
             if not at.is_finite:
                 return ended(Status.NOT_FINITE)
@@ -211,7 +216,7 @@ class InteriorPoint:
         direction = system.direction(at.equality, at.inequality - here.slacks)
         if not direction.is_finite:
             return Status.NOT_FINITE
-        found = LineSearch(at, here.slacks, here.barrier, filter_).search(system, direction)
+        found = LineSearch(at, here.slacks, here.barrier, filter_, self.reach).search(system, direction)
         if found is None:
             trial = restore(at, here.slacks, here.barrier, filter_, assembly, ordering)
             if isinstance(trial, Status):

@@ -71,17 +71,22 @@ class LineSearch:
     barrier : float
     filter_ : Filter
         Takes in the starting point when a step is accepted for its violation.
+    reach : float
+        Longest displacement of a coordinate.
     """
 
-    def __init__(self, at: Linearization, slacks: np.ndarray, barrier: float, filter_: Filter) -> None:
-        self._at, self._slacks, self._barrier, self._filter = at, slacks, barrier, filter_
+    def __init__(
+        self, at: Linearization, slacks: np.ndarray, barrier: float, filter_: Filter, reach: float = np.inf
+    ) -> None:
+        self._at, self._slacks, self._barrier, self._filter, self._reach = at, slacks, barrier, filter_, reach
         self.violation = float(np.abs(at.equality).sum() + np.abs(at.inequality - slacks).sum())
         self.merit = at.objective - barrier * float(np.log(slacks).sum())
 
     def search(self, system: NewtonSystem, direction: Direction) -> tuple[Trial, float] | None:
         """Return an acceptable point and its step length, or None after the last halving."""
         slope = float(self._at.gradient @ direction.dx) - self._barrier * float((direction.ds / self._slacks).sum())
-        alpha = step_fraction(self._slacks, direction.ds, self._barrier)
+        longest = float(np.abs(direction.dx).max(initial=0.0))
+        alpha = min(step_fraction(self._slacks, direction.ds, self._barrier), self._reach / max(longest, 1e-300))
         for halving in range(MOST_HALVINGS):
             trial = self._along(direction, alpha)
             if trial is not None and self._accepts(trial, slope, alpha):

@@ -35,7 +35,7 @@ def formulation(name: str, cells: int, exact: bool = False) -> tuple[Formulation
 def test_scipy_finds_the_same_minimum(method: str) -> None:
     made, start = formulation("paraboloid", 1 if method == "trust-constr" else 2)
     problem = made.problem_at(start)
-    ours = InteriorPoint(Limits()).solve(problem, start)
+    ours = InteriorPoint(Limits(), last_barrier=1e-9).solve(problem, start)
     theirs = ScipyPeer(method, Limits(max_steps=600)).solve(problem, start)
     assert ours.status is Status.CONVERGED
     assert max(problem.violations(theirs.points).values()) < 1e-7
