@@ -80,12 +80,10 @@ class Continuation:
             solver = self.make_solver(replace(self.limits, max_steps=STEPS_EACH))
             found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
             after = _distance(at(found.points), found.points)
-            history = outcome.history + found.history
             better = after <= PAYS * before or (short and self.suffices(found.points))
             if found.status is not Status.CONVERGED or not better:
-                outcome = replace(outcome, history=history)
                 break
-            outcome, count = replace(found, history=history), count + 1
+            outcome, count = replace(found, history=outcome.history + found.history), count + 1
         if count:
             times = f"{count} time{'s' * (count > 1)}"
             notes += (f"Solve: held near its solution instead of its start {times}, which improved it.",)

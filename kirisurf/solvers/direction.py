@@ -1,18 +1,27 @@
-"""The step direction of the interior-point method: one regularized KKT system, factored once per step."""
+"""The step direction of the interior-point method: one KKT system, factored once per step.
+
+The system [[H, J'], [J, 0]] is solved through the positive definite matrix A = H + J'J / eps: with the lower
+right block -eps, eliminating the multipliers leaves A, and iterative refinement removes eps again. A is
+positive definite exactly where the KKT matrix has the inertia of a minimum, so that a Cholesky factorization
+is solver and test in one.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 
 from kirisurf.solvers.assembly import Assembly
-from kirisurf.solvers.linear import Factorization, Ordering
 from kirisurf.solvers.linearization import Linearization
+from kirisurf.solvers.multifrontal import Cholesky, Symbolic
 
-REGULARIZATION = 1e-8
-"""Lower right diagonal of the factored matrix; removed again by refinement."""
+REGULARIZATION = 1e-6
+"""The eps above: large enough that A keeps ten digits of H, small enough that refinement takes two or three rounds."""
+
+MOST_REFINEMENTS = 8
+LARGEST_SHIFT = 1e10
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,25 +38,92 @@ class Direction:
         return bool(np.isfinite(self.dx).all())
 
 
+class KktFactor:
+    """A factored KKT system [[H + shift I, J'], [J, 0]].
+
+    Parameters
+    ----------
+    assembly : Assembly
+    symbolic : Symbolic
+        Of the assembly's pattern.
+    hessian, normal : (pairs, 3, 3)
+        Blocks of H and of J'J.
+    jacobian : (m, 3 n) sparse
+    last : float
+        Shift that the last step needed.
+
+    Attributes
+    ----------
+    shift : float
+        The smallest tried multiple of the identity that makes H + shift I positive definite where the
+        constraints hold to first order.
+
+    Raises
+    ------
+    FloatingPointError
+        Where no shift does.
+    """
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        symbolic: Symbolic,
+        hessian: np.ndarray,
+        normal: np.ndarray,
+        jacobian: csr_matrix,
+        last: float = 0.0,
+    ) -> None:
+        self._n, self._jacobian = assembly.n_dofs, jacobian
+        matrix = hessian + normal / REGULARIZATION
+        self.shift, growth = 0.0, 4.0 if last > 0 else 8.0
+        while True:
+            try:
+                self._cholesky = Cholesky(symbolic, assembly.shifted(matrix, self.shift))
+                break
+            except np.linalg.LinAlgError:
+                self.shift = growth * self.shift if self.shift > 0 else max(1e-4, last / 3)
+                if self.shift > LARGEST_SHIFT:
+                    raise FloatingPointError("the KKT matrix could not be factored") from None
+        self._hessian: bsr_matrix = assembly.matrix(assembly.shifted(hessian, self.shift))
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """Solve for a right-hand side (3 n + m,), refined as long as the remainder halves."""
+        solution = self._once(right)
+        scale, size = np.abs(right).max(initial=0.0), np.inf
+        for _ in range(MOST_REFINEMENTS):
+            x, y = solution[: self._n], solution[self._n :]
+            product = np.concatenate([self._hessian @ x + self._jacobian.T @ y, self._jacobian @ x])
+            remainder = right - product
+            new = np.abs(remainder).max(initial=0.0)
+            if not new > 1e-13 * scale or new > 0.5 * size:
+                break
+            size = new
+            solution = solution + self._once(remainder)
+        return solution
+
+    def _once(self, right: np.ndarray) -> np.ndarray:
+        top, bottom = right[: self._n], right[self._n :]
+        x = self._cholesky.solve(top + self._jacobian.T @ (bottom / REGULARIZATION))
+        return np.concatenate([x, (self._jacobian @ x - bottom) / REGULARIZATION])
+
+
 class NewtonSystem:
     """The linear system of one interior-point step.
 
     Parameters
     ----------
     at : Linearization
-    assembly, ordering : Assembly, Ordering
+    assembly, symbolic : Assembly, Symbolic
     slacks, y, z : arrays
         Slacks and multipliers.
     barrier : float
     exact : bool
         Exact Hessian of the Lagrangian, or Gauss-Newton.
     last_shift : float
-        Shift of the Hessian that the last step needed.
 
     Attributes
     ----------
     shift : float
-        Multiple of the identity that was added to the Hessian for the right inertia.
 
     Raises
     ------
@@ -59,7 +135,7 @@ class NewtonSystem:
         self,
         at: Linearization,
         assembly: Assembly,
-        ordering: Ordering,
+        symbolic: Symbolic,
         slacks: np.ndarray,
         y: np.ndarray,
         z: np.ndarray,
@@ -67,57 +143,17 @@ class NewtonSystem:
         exact: bool,
         last_shift: float,
     ) -> None:
-        self._at, self._assembly = at, assembly
+        self._at, self._n = at, assembly.n_dofs
         self._sigma = z / slacks
         self._pull = barrier / slacks
         hessian = at.hessian(assembly, y, z, self._sigma, exact=exact)
-        jacobian = at.jacobian(assembly)
-        self._factor, self.shift = factor_with_inertia(assembly, ordering, hessian, jacobian, last_shift)
-        self._matrix = assembly.matrix(hessian, jacobian, self.shift, 0.0)
+        normal, jacobian = assembly.normal(at.equality_jacobians), assembly.jacobian(at.equality_jacobians)
+        self._factor = KktFactor(assembly, symbolic, hessian, normal, jacobian, last_shift)
+        self.shift = self._factor.shift
 
     def direction(self, equality: np.ndarray, slack_residual: np.ndarray) -> Direction:
         """Solve for residuals of the equalities (m,) and of the slacks (k,)."""
         pulled = self._at.inequality_transpose(self._pull - self._sigma * slack_residual)
-        right = -np.concatenate([self._at.gradient - pulled, equality])
-        solution = refined(self._factor, self._matrix, right)
-        dx = solution[: self._assembly.n_dofs]
-        return Direction(dx, solution[self._assembly.n_dofs :], self._at.inequality_apply(dx) + slack_residual)
-
-
-def factor_with_inertia(
-    assembly: Assembly, ordering: Ordering, hessian: np.ndarray, jacobian: np.ndarray, last: float
-) -> tuple[Factorization, float]:
-    """Factor with the smallest tried shift of the Hessian that leaves as many negative pivots as rows.
-
-    Then the Hessian is positive definite where the constraints hold to first order, and the step descends.
-
-    Raises
-    ------
-    FloatingPointError
-        Where no shift up to 1e10 does it.
-    """
-    shift, growth = 0.0, 4.0 if last > 0 else 8.0
-    while shift <= 1e10:
-        try:
-            factor = Factorization(assembly.matrix(hessian, jacobian, shift, REGULARIZATION), ordering)
-            if factor.n_negative == assembly.n_rows:
-                return factor, shift
-        except RuntimeError:
-            # SuperLU met a pivot of exactly zero: a larger shift moves it
-            pass
-        shift = growth * shift if shift > 0 else max(1e-4, last / 3)
-    raise FloatingPointError("the KKT matrix could not be factored")
-
-
-def refined(factor: Factorization, matrix: csc_matrix, right: np.ndarray) -> np.ndarray:
-    """Solve and refine against the matrix without regularization, as long as the remainder halves."""
-    solution = factor.solve(right)
-    scale, size = np.abs(right).max(initial=0.0), np.inf
-    for _ in range(6):
-        remainder = right - matrix @ solution
-        new = np.abs(remainder).max(initial=0.0)
-        if not new > 1e-14 * scale or new > 0.5 * size:
-            break
-        size = new
-        solution = solution + factor.solve(remainder)
-    return solution
+        solution = self._factor.solve(-np.concatenate([self._at.gradient - pulled, equality]))
+        dx = solution[: self._n]
+        return Direction(dx, solution[self._n :], self._at.inequality_apply(dx) + slack_residual)

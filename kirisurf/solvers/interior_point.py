@@ -4,7 +4,7 @@ Slacks s of the inequalities g(x) - s = 0 carry a logarithmic barrier and are el
 step solves
 
     [H + J_I' Z/S J_I + delta   J_E'] [dx]     [grad f - J_I' (mu/s - Z/S (g - s))]
-    [J_E                        -eps] [y+]  = -[c                                  ]
+    [J_E                           0] [y+]  = -[c                                  ]
 
 H is the Gauss-Newton matrix far from the constraints and the exact Hessian of the Lagrangian near them;
 delta grows until the inertia is that of a minimum. The globalization follows Waechter and Biegler (2006).
@@ -25,8 +25,8 @@ from kirisurf.solvers.assembly import Assembly
 from kirisurf.solvers.direction import NewtonSystem
 from kirisurf.solvers.filter import Filter
 from kirisurf.solvers.line_search import LineSearch, step_fraction
-from kirisurf.solvers.linear import Ordering
 from kirisurf.solvers.linearization import Linearization, stencils
+from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
 from kirisurf.solvers.restoration import restore
 from kirisurf.states import Step
@@ -115,7 +115,7 @@ class InteriorPoint:
         """
         began = time.perf_counter()
         assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
-        ordering = Ordering(assembly)
+        symbolic = Symbolic(problem.n_vertices, assembly.pattern.rows, assembly.pattern.columns)
         at = Linearization.at(problem, start)
         slacks = np.maximum(at.inequality, 1e-2)
         here = Iterate(start, slacks, np.zeros(assembly.n_rows), self.first_barrier / slacks, self.first_barrier)
@@ -157,7 +157,7 @@ class InteriorPoint:
                 return ended(Status.STEP_LIMIT)
             here = self._with_lower_barrier(here, step, worst, filter_)
             try:
-                advanced = self._advance(here, at, assembly, ordering, filter_, worst)
+                advanced = self._advance(here, at, assembly, symbolic, filter_, worst)
             except FloatingPointError:
                 return ended(Status.NOT_FINITE)
             if isinstance(advanced, Status):
@@ -206,19 +206,19 @@ class InteriorPoint:
         here: Iterate,
         at: Linearization,
         assembly: Assembly,
-        ordering: Ordering,
+        symbolic: Symbolic,
         filter_: Filter,
         worst: float,
     ) -> Iterate | Status:
         """One step: direction, line search, and restoration where the search fails."""
         exact = worst <= self.gauss_newton_above
-        system = NewtonSystem(at, assembly, ordering, here.slacks, here.y, here.z, here.barrier, exact, here.shift)
+        system = NewtonSystem(at, assembly, symbolic, here.slacks, here.y, here.z, here.barrier, exact, here.shift)
         direction = system.direction(at.equality, at.inequality - here.slacks)
         if not direction.is_finite:
             return Status.NOT_FINITE
         found = LineSearch(at, here.slacks, here.barrier, filter_, self.reach).search(system, direction)
         if found is None:
-            trial = restore(at, here.slacks, here.barrier, filter_, assembly, ordering)
+            trial = restore(at, here.slacks, here.barrier, filter_, assembly, symbolic)
             if isinstance(trial, Status):
                 return trial
             z = _near_center(here.z, trial.slacks, here.barrier, 1e3)

@@ -105,12 +105,7 @@ class Linearization:
             if exact:
                 full = full - block.curvature(x, part)
             sources.append(vertex_blocks(full))
-        sources.append(np.zeros((problem.n_vertices, 3, 3)))
-        return assembly.hessian.sum(sources)
-
-    def jacobian(self, assembly: Assembly) -> np.ndarray:
-        """Assemble the equality Jacobian as (row, vertex) blocks."""
-        return assembly.jacobian_pattern.sum(self.equality_jacobians)
+        return assembly.hessian(sources)
 
     def _transpose(
         self, blocks: tuple[Block, ...], jacobians: tuple[np.ndarray, ...], multipliers: np.ndarray

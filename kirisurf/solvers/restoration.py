@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from kirisurf.solvers.assembly import Assembly
-from kirisurf.solvers.direction import factor_with_inertia
+from kirisurf.solvers.direction import KktFactor
 from kirisurf.solvers.filter import Filter
 from kirisurf.solvers.line_search import Trial, evaluate_trial
-from kirisurf.solvers.linear import Ordering
 from kirisurf.solvers.linearization import Linearization
+from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.status import Status
 
 MOST_STEPS = 20
@@ -18,7 +18,7 @@ DAMPING = 1e-2
 
 
 def restore(
-    at: Linearization, slacks: np.ndarray, barrier: float, filter_: Filter, assembly: Assembly, ordering: Ordering
+    at: Linearization, slacks: np.ndarray, barrier: float, filter_: Filter, assembly: Assembly, symbolic: Symbolic
 ) -> Trial | Status:
     """Take damped Gauss-Newton steps to the constraints until the filter accepts a less violated point.
 
@@ -39,7 +39,8 @@ def restore(
         weights = np.where(short < 0, 100.0, 0.0)
         none = np.zeros(assembly.n_rows), np.zeros(len(slacks))
         hessian = OBJECTIVE_WEIGHT * at.hessian(assembly, *none, weights, exact=False)
-        factor, _ = factor_with_inertia(assembly, ordering, hessian, at.jacobian(assembly), DAMPING)
+        normal, jacobian = assembly.normal(at.equality_jacobians), assembly.jacobian(at.equality_jacobians)
+        factor = KktFactor(assembly, symbolic, assembly.shifted(hessian, DAMPING), normal, jacobian)
         pull = OBJECTIVE_WEIGHT * at.inequality_transpose(weights * short)
         dx = factor.solve(np.concatenate([-pull, -at.equality]))[: assembly.n_dofs].reshape(-1, 3)
         trial, alpha = None, 1.0

@@ -1,4 +1,4 @@
-"""Assembly against dense matrices, pivots against eigenvalues, solutions against NumPy."""
+"""Assembly against dense matrices, the factor against eigenvalues, solutions against NumPy."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from kirisurf.objective.fairness import EqualNeighbors
 from kirisurf.objective.proximity import Proximity
 from kirisurf.problem import Problem, Term
 from kirisurf.solvers.assembly import Assembly
-from kirisurf.solvers.direction import REGULARIZATION, factor_with_inertia, refined
-from kirisurf.solvers.linear import Factorization, Ordering
+from kirisurf.solvers.direction import REGULARIZATION, KktFactor
 from kirisurf.solvers.linearization import Linearization, stencils
+from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.solvers.scipy_peers import jacobian_of
 from tests.kirisurf.block_laws import bumpy_sheet
 
@@ -39,12 +39,19 @@ def test_gradient_has_taylor_order_two() -> None:
     assert np.log10(rest[0] / rest[1]) == pytest.approx(2, abs=0.05)
 
 
+def parts(problem: Problem, points: np.ndarray) -> tuple[Linearization, Assembly, Symbolic]:
+    at = Linearization.at(problem, points)
+    assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
+    return at, assembly, Symbolic(problem.n_vertices, assembly.pattern.rows, assembly.pattern.columns)
+
+
 def test_linearization_agrees_with_the_sparse_jacobian() -> None:
     problem, points = small_problem()
-    at = Linearization.at(problem, points)
+    at, assembly, _ = parts(problem, points)
     dense = jacobian_of(problem.equalities, points).toarray()
-    assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
-    np.testing.assert_allclose(assembly.jacobian_matrix(at.jacobian(assembly)).toarray(), dense, atol=1e-14)
+    np.testing.assert_allclose(assembly.jacobian(at.equality_jacobians).toarray(), dense, atol=1e-14)
+    normal = assembly.matrix(assembly.normal(at.equality_jacobians)).toarray()
+    np.testing.assert_allclose(normal, dense.T @ dense, atol=1e-12)
     y = np.random.default_rng(1).standard_normal(len(dense))
     np.testing.assert_allclose(at.equality_transpose(y), dense.T @ y, atol=1e-12)
     inequality = jacobian_of(problem.inequalities, points).toarray()
@@ -55,14 +62,11 @@ def test_linearization_agrees_with_the_sparse_jacobian() -> None:
 def test_assembled_hessian_is_that_of_the_lagrangian() -> None:
     problem, points = small_problem()
     rng = np.random.default_rng(3)
-    at = Linearization.at(problem, points)
-    assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
+    at, assembly, _ = parts(problem, points)
     y, z = rng.standard_normal(assembly.n_rows), rng.random(len(at.inequality))
     weights = rng.random(len(z))
-    blocks = at.hessian(assembly, y, z, weights, exact=True)
-    matrix = assembly.matrix(blocks, at.jacobian(assembly), 0.0, 0.0).toarray()
-    hessian = matrix[: assembly.n_dofs, : assembly.n_dofs]
-    np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
+    hessian = assembly.matrix(at.hessian(assembly, y, z, weights, exact=True)).toarray()
+    np.testing.assert_allclose(hessian, hessian.T, atol=1e-12)
     inequality = jacobian_of(problem.inequalities, points).toarray()
     lagrangian = hessian - inequality.T @ (weights[:, None] * inequality)
 
@@ -77,31 +81,33 @@ def test_assembled_hessian_is_that_of_the_lagrangian() -> None:
     np.testing.assert_allclose(lagrangian @ direction.ravel(), change, atol=1e-6 * np.abs(change).max())
 
 
-def test_pivots_count_the_negative_eigenvalues() -> None:
+@pytest.mark.parametrize("scale", [0.0, 1.0, 30.0])
+def test_a_factor_exists_exactly_where_the_inertia_is_that_of_a_minimum(scale: float) -> None:
     problem, points = small_problem()
-    at = Linearization.at(problem, points)
-    assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
-    ordering = Ordering(assembly)
+    at, assembly, symbolic = parts(problem, points)
     rng = np.random.default_rng(4)
-    for scale in (0.0, 1.0, 30.0):
-        y, z = scale * rng.standard_normal(assembly.n_rows), np.zeros(len(at.inequality))
-        blocks = at.hessian(assembly, y, z, z, exact=True)
-        matrix = assembly.matrix(blocks, at.jacobian(assembly), 0.0, REGULARIZATION)
-        negative = int((np.linalg.eigvalsh(matrix.toarray()) < 0).sum())
-        assert Factorization(matrix, ordering).n_negative == negative
-        factor, shift = factor_with_inertia(assembly, ordering, blocks, at.jacobian(assembly), 0.0)
-        assert factor.n_negative == assembly.n_rows
-        assert (shift > 0) == (negative != assembly.n_rows)
+    y, z = scale * rng.standard_normal(assembly.n_rows), np.zeros(len(at.inequality))
+    blocks = at.hessian(assembly, y, z, z, exact=True)
+    normal, jacobian = assembly.normal(at.equality_jacobians), assembly.jacobian(at.equality_jacobians)
+    dense, m = jacobian.toarray(), assembly.n_rows
+    for shift in (0.0, KktFactor(assembly, symbolic, blocks, normal, jacobian).shift):
+        hessian = assembly.matrix(assembly.shifted(blocks, shift)).toarray()
+        matrix = np.block([[hessian, dense.T], [dense, -REGULARIZATION * np.eye(m)]])
+        negative = int((np.linalg.eigvalsh(matrix) < 0).sum())
+        found = KktFactor(assembly, symbolic, assembly.shifted(blocks, shift), normal, jacobian).shift
+        assert (found == 0) == (negative == m)
 
 
-def test_refined_solutions_are_those_without_regularization() -> None:
+def test_solutions_are_those_without_regularization() -> None:
     problem, points = small_problem()
-    at = Linearization.at(problem, points)
-    assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
+    at, assembly, symbolic = parts(problem, points)
     none = np.zeros(assembly.n_rows), np.zeros(len(at.inequality))
     blocks = at.hessian(assembly, *none, none[1], exact=False)
-    factor, shift = factor_with_inertia(assembly, Ordering(assembly), blocks, at.jacobian(assembly), 0.0)
-    matrix = assembly.matrix(blocks, at.jacobian(assembly), shift, 0.0)
-    right = np.random.default_rng(5).standard_normal(matrix.shape[0])
-    expected = np.linalg.solve(matrix.toarray(), right)
-    np.testing.assert_allclose(refined(factor, matrix, right), expected, atol=1e-9 * np.abs(expected).max())
+    normal, jacobian = assembly.normal(at.equality_jacobians), assembly.jacobian(at.equality_jacobians)
+    factor = KktFactor(assembly, symbolic, blocks, normal, jacobian)
+    dense = jacobian.toarray()
+    m = len(dense)
+    matrix = np.block([[assembly.matrix(blocks).toarray(), dense.T], [dense, np.zeros((m, m))]])
+    right = np.random.default_rng(5).standard_normal(len(matrix))
+    expected = np.linalg.solve(matrix, right)
+    np.testing.assert_allclose(factor.solve(right), expected, atol=1e-9 * np.abs(expected).max())
