@@ -19,6 +19,10 @@ def _without_current_folder() -> None:
 
 if __name__ == "__main__":
     _without_current_folder()
-    from kirisurf.cli import main
+    try:
+        from kirisurf.cli import main
 
-    sys.exit(main())
+        code = main()
+    except KeyboardInterrupt:
+        code = 130
+    sys.exit(code)

@@ -89,6 +89,23 @@ def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None) -> N
             raise ParameterError(f"{path}: expected --state contracted for a cut pattern, got deployed")
 
 
+def check_free(paths: Sequence[str | os.PathLike[str]], folder: str | os.PathLike[str], overwrite: bool) -> None:
+    """Refuse to replace files that exist, and any of the files that belong to the run itself.
+
+    Raises
+    ------
+    ParameterError
+        With the file that is in the way.
+    """
+    for path in map(Path, paths):
+        if not path.exists():
+            continue
+        if path.resolve().parent == Path(folder).resolve():
+            raise ParameterError(f"{path}: expected a new file, got one of the run's own; choose another name")
+        if not overwrite:
+            raise ParameterError(f"{path}: expected a new file, got one that exists; --overwrite replaces it")
+
+
 def _points(run: Run, state: str) -> np.ndarray:
     return run.deployed if state == "deployed" else run.contracted
 

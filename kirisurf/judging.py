@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirisurf.arrays import frozen
-from kirisurf.errors import ParameterError
+from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.formats import read_polygons
 from kirisurf.loops import Loops
 from kirisurf.origin import moved
@@ -103,10 +103,10 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
 
     Raises
     ------
-    ParameterError
-        Where the two states are not the same polygons.
-    UnreadableError, UnusableError
-        Where a file cannot be read or used.
+    UnusableError
+        Where the two states are not the same polygons, or a file holds nothing usable.
+    UnreadableError
+        Where a file cannot be read.
 
     Examples
     --------
@@ -120,11 +120,11 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
     points, tiles = _state(deployed)
     flat, same = _state(contracted)
     if len(points) != len(flat):
-        raise ParameterError(
+        raise UnusableError(
             f"audit: expected the same vertices in both states, got {len(points)} deployed and {len(flat)} contracted"
         )
     if len(tiles) != len(same) or not np.array_equal(tiles.indices, same.indices):
-        raise ParameterError(
+        raise UnusableError(
             f"audit: expected the same polygons in the same order in both states, got {len(tiles)} deployed and "
             f"{len(same)} contracted that differ"
         )

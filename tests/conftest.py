@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,9 @@ def _opengl_is_installed() -> bool:
         return False
     return True
 
+
+# A shell's background job starts with Ctrl-C ignored, and its children inherit that: the tests of signals need it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Before NumPy is loaded: one thread, so that sums come out the same everywhere and parallel runs share the cores.
 os.environ.setdefault("OMP_NUM_THREADS", "1")

@@ -131,7 +131,8 @@ def curvature_scatter(
         axes.set_xlim(low, high)
         axes.set_ylim(low, high)
         axes.set_aspect("equal")
-        axes.locator_params(nbins=5)
+        axes.locator_params(axis="y", nbins=5)
+        axes.locator_params(axis="x", nbins=3)
         axes.grid()
         suffix = f"  ({unit})" if unit else ""
         axes.set_xlabel(f"target{suffix}")
@@ -161,7 +162,7 @@ def curvature_histogram(
             np.clip(target[known], low, high), bins, histtype="step", color=theme.INK, linewidth=1.3, label="target"
         )
         axes.set_xlim(low, high)
-        axes.locator_params(axis="x", nbins=5)
+        axes.locator_params(axis="x", nbins=3)
         axes.yaxis.set_major_locator(_whole_numbers())
         axes.grid(axis="y")
         axes.set_xlabel(f"{name}  ({unit})" if unit else name)

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
+import threading
 import traceback
 from collections.abc import Sequence
 
@@ -55,6 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     argv : sequence of str, optional
         Arguments without the program's name; by default those of the process.
     """
+    end_cleanly_on_signals()
     words = list(sys.argv[1:] if argv is None else argv)
     options = words[: words.index("--")] if "--" in words else words
     output = Output("--json" in options, "-q" in options or "--quiet" in options)
@@ -70,6 +73,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(end.code or 0)
     except (Exception, KeyboardInterrupt) as problem:
         return _fail(problem, command, output, "--debug" in options)
+
+
+def end_cleanly_on_signals() -> None:
+    """Let SIGTERM and SIGHUP end a command as Ctrl-C does, from its first moment on."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
 
 
 def _run(arguments: argparse.Namespace, output: Output) -> Outcome:

@@ -34,15 +34,17 @@ def add(commands: Any) -> None:
     parser.add_argument("--state", metavar="NAME", help="contracted (default) or deployed, for OBJ, VTP and STL")
     parser.add_argument("--hinge-width", metavar="LENGTH", type=number, help="material left at every hinge (SVG)")
     parser.add_argument("--units", metavar="UNIT", help="length unit of the coordinates (SVG)")
+    parser.add_argument("--overwrite", action="store_true", help="replace files that exist (never those of a run)")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     """Run the command."""
-    from kirisurf.exporting import check_names, export
+    from kirisurf.exporting import check_free, check_names, export
     from kirisurf.runs import read_run
 
     check_names(arguments.to, arguments.state)
+    check_free(arguments.to, arguments.folder, arguments.overwrite)
     run_read = read_run(arguments.folder)
     for path in arguments.to:
         export(run_read, path, arguments.state, arguments.hinge_width, arguments.units)

@@ -102,7 +102,12 @@ def add_spec_options(parser: Parser) -> None:
         f"{' | '.join(CLOSENESS)}: as near to the target as rigid tiles allow (default), or every vertex on it",
         metavar="MODE",
     )
-    add(solve, "--initial", f"start: {' | '.join(INITIALS)}; default: auto", metavar="NAME")
+    add(
+        solve,
+        "--initial",
+        f"start: {' | '.join(INITIALS)}; default: auto (rescaled and teichmuller: not in this version)",
+        metavar="NAME",
+    )
     add(
         solve,
         "--contracted",
@@ -118,7 +123,7 @@ def add_spec_options(parser: Parser) -> None:
     add(
         solve,
         "--tolerance",
-        "largest residual of every row, lengths over the tile edge, angles in radians; default: 1e-10",
+        "largest rigid row of the certificate, lengths over the tile edge, angles in radians; default: 1e-9",
         metavar="X",
         type=number,
     )

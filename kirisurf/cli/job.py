@@ -9,8 +9,12 @@ from kirisurf.cli.interruption import Interruption
 from kirisurf.cli.output import Outcome, Output
 from kirisurf.cli.progress import Bar, Lines, Progress
 from kirisurf.runs import Run, RunFolder
+from kirisurf.runs.folder import is_certified
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
+
+UNFINISHED = (6, 130)
+"""Codes of a solve that was cut short."""
 
 
 def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output: Output) -> Outcome:
@@ -37,7 +41,17 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
         progress.stage("solving")
         design = fit_loaded(spec, surface, notes, seconds, progress.step, stop)
         stop.stage = "saving"
-        run = design.save_into(opened, pictures=pictures, stage=progress.stage)
+        unfinished = design.status.exit_code in UNFINISHED
+        if unfinished and is_certified(opened.path):
+            # replaced only once the new one is complete: this one is not
+            beside = f"{opened.path}-unfinished"
+            output.warning(f"the certified run in {folder} was kept; what was reached lies in {beside}")
+            with RunFolder(beside, overwrite=True) as other:
+                run = design.save_into(other, pictures=False, stage=progress.stage)
+        else:
+            # whoever interrupts does not wait for pictures
+            drawn = pictures and design.status is not Status.INTERRUPTED
+            run = design.save_into(opened, pictures=drawn, stage=progress.stage)
     _tell(run, output)
     report = run.folder / "report.html"
     output.product(str(report))

@@ -27,6 +27,15 @@ RESULT = "result.json"
 _STAGING, _PREVIOUS = ".kirisurf-partial-", ".kirisurf-previous-"
 
 
+def is_certified(folder: Path) -> bool:
+    """Return whether a folder holds a complete run that is certified."""
+    try:
+        record = json.loads((folder / RESULT).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(record, dict) and record.get("certified") is True
+
+
 class RunFolder:
     """A run folder that is being written; use it as a context.
 

@@ -19,6 +19,7 @@ import time
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from kirisurf.problem import Problem
 from kirisurf.solvers.assembly import Assembly
@@ -100,6 +101,9 @@ class InteriorPoint:
     ) -> Outcome:
         """Solve from `start` (n, 3), in units of the tile edge.
 
+        BLAS runs on one thread meanwhile: on fronts of this size more threads cost time, and sums would
+        depend on their number.
+
         Parameters
         ----------
         problem : Problem
@@ -113,6 +117,17 @@ class InteriorPoint:
         Outcome
             Where it did not converge: the least violated point.
         """
+        with threadpool_limits(1):
+            return self._solve(problem, start, refresh, progress, should_stop)
+
+    def _solve(
+        self,
+        problem: Problem,
+        start: np.ndarray,
+        refresh: Refresh | None,
+        progress: Progress | None,
+        should_stop: ShouldStop | None,
+    ) -> Outcome:
         began = time.perf_counter()
         assembly = Assembly(problem.n_vertices, problem.equalities, stencils(problem))
         symbolic = Symbolic(problem.n_vertices, assembly.pattern.rows, assembly.pattern.columns)

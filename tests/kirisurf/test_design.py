@@ -106,9 +106,9 @@ def test_audit_finds_a_fault_and_states_that_do_not_match(design: Design) -> Non
     moved[3, 2] += 1e-3
     failures = kirisurf.audit((moved, tiles), (design.contracted_points, tiles)).failures
     assert any(sentence.startswith("isometry") for sentence in failures)
-    with pytest.raises(ParameterError, match="same polygons"):
+    with pytest.raises(UnusableError, match="same polygons"):
         kirisurf.audit((points, tiles), (points, tiles.subset(np.arange(3))))
-    with pytest.raises(ParameterError, match="same vertices"):
+    with pytest.raises(UnusableError, match="same vertices"):
         kirisurf.audit((points, tiles), (points[:-1], tiles))
     with pytest.raises(ParameterError, match="expected a file"):
         kirisurf.audit(3, 4)

@@ -126,7 +126,7 @@ def test_every_export_is_written_and_read_back(folder: Path, tmp_path: Path) -> 
     stl = (tmp_path / "out.stl").read_bytes()
     (count,) = struct.unpack_from("<I", stl, 80)
     assert count == 2 * run.tessellation.n_tiles and len(stl) == 84 + 50 * count
-    assert main(["export", str(folder), "--to", names[1], "--state", "deployed"]) == 0
+    assert main(["export", str(folder), "--to", names[1], "--state", "deployed", "--overwrite"]) == 0
     assert (read_polygons(names[1])[0] == run.deployed).all()
     assert main(["export", str(folder), "--to", names[0], "--hinge-width", "0.05", "--units", "in"]) == 0
     assert ElementTree.parse(names[0]).getroot().attrib["width"].endswith("in")
@@ -154,6 +154,27 @@ def test_the_report_of_a_run_is_written_again_and_the_run_stays_whole(folder: Pa
     assert read_run(folder).result["files"] == hashes(folder)
     assert main(["report", str(folder), str(folder), "-o", str(tmp_path / "both.html")]) == 0
     assert (tmp_path / "both.html").read_text().count("<html") == 1
+
+
+def test_exports_replace_nothing_unasked_and_no_file_of_the_run(folder: Path, tmp_path: Path, capsys: Captured) -> None:
+    there = tmp_path / "there.obj"
+    there.write_text("mine")
+    assert main(["export", str(folder), "--to", str(there)]) == 2
+    assert there.read_text() == "mine" and "--overwrite" in capsys.readouterr().err
+    before = (folder / "deployed.obj").read_bytes()
+    assert main(["export", str(folder), "--to", str(folder / "deployed.obj"), "--overwrite"]) == 2
+    assert (folder / "deployed.obj").read_bytes() == before
+
+
+def test_a_certified_run_is_not_replaced_by_an_unfinished_one(folder: Path, tmp_path: Path, capsys: Captured) -> None:
+    old = tmp_path / "run"
+    shutil.copytree(folder, old)
+    before = {path.name: path.read_bytes() for path in old.iterdir() if path.is_file()}
+    words = ["fit", "peaks", "--tiles", "100", "--max-steps", "1", "--no-pictures", "--overwrite", "-o", str(old)]
+    assert main(words) == 6
+    assert {path.name: path.read_bytes() for path in old.iterdir() if path.is_file()} == before
+    assert read_run(tmp_path / "run-unfinished").result["status"] == "STEP_LIMIT"
+    assert "was kept" in capsys.readouterr().err
 
 
 def test_a_window_without_a_display_is_explained(
