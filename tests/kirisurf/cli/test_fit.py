@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import struct
 import subprocess
@@ -128,9 +129,9 @@ def test_every_export_is_written_and_read_back(folder: Path, tmp_path: Path) -> 
     assert count == 2 * run.tessellation.n_tiles and len(stl) == 84 + 50 * count
     assert main(["export", str(folder), "--to", names[1], "--state", "deployed", "--overwrite"]) == 0
     assert (read_polygons(names[1])[0] == run.deployed).all()
-    assert main(["export", str(folder), "--to", names[0], "--hinge-width", "0.05", "--units", "in"]) == 0
+    assert main(["export", str(folder), "--to", names[0], "--hinge-width", "0.05", "--units", "in", "--overwrite"]) == 0
     assert ElementTree.parse(names[0]).getroot().attrib["width"].endswith("in")
-    assert main(["export", str(folder), "--to", names[0], "--hinge-width", "9"]) == 2
+    assert main(["export", str(folder), "--to", names[0], "--hinge-width", "9", "--overwrite"]) == 2
     assert main(["export", str(folder), "--to", str(tmp_path / "no" / "such" / "folder.svg")]) == 7
 
 
