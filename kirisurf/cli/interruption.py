@@ -28,10 +28,12 @@ class Interruption:
         self.requested = False
         self.stage = "loading"
         self._tell = tell
+        self._pending = ""
         self._before: dict[int, Any] = {}
 
     def __call__(self) -> bool:
         """Return whether the solver should stop at its best point."""
+        self._speak()
         return self.requested
 
     def __enter__(self) -> Interruption:
@@ -47,12 +49,23 @@ class Interruption:
         for number, handler in self._before.items():
             signal.signal(number, handler)
         self._before.clear()
+        self._speak()
 
     def _receive(self, number: int, frame: FrameType | None) -> None:
         if self.requested or self.stage == "loading":
             raise KeyboardInterrupt
         self.requested = True
         if self.stage == "solving":
-            self._tell("interrupted: stopping at the best point so far, which is then saved (again: save nothing)")
+            self._pending = "interrupted: stopping at the best point so far, which is then saved (again: save nothing)"
         else:
-            self._tell("interrupted while saving: the run is finished in a moment (again: save nothing)")
+            self._pending = "interrupted while saving: the run was finished first"
+
+    def _speak(self) -> None:
+        """Say what a signal left to say.
+
+        Not in the handler itself: it may run in the middle of another message, and Python's streams refuse to be
+        entered twice.
+        """
+        if self._pending:
+            text, self._pending = self._pending, ""
+            self._tell(text)
