@@ -49,16 +49,24 @@ class Block(Protocol):
         """Second derivatives of the rows weighted by multipliers, summed over rows."""
 
 
-def difference_matrix(first: int, second: int, n: int) -> np.ndarray:
-    """Return (3, 3 n): picks the vector from stencil point `second` to stencil point `first`."""
-    matrix = np.zeros((3, 3 * n))
-    matrix[:, 3 * first : 3 * first + 3] += np.eye(3)
-    matrix[:, 3 * second : 3 * second + 3] -= np.eye(3)
-    return matrix
+@runtime_checkable
+class Differences(Block, Protocol):
+    """A block whose groups are differences of two groups of another block. To be one is an option, for speed.
 
+    A least-squares term of such rows costs as much as the other block: its J'J is that of every inner group,
+    times its number of pairs, minus the products across each pair.
 
-def cross_matrix(vectors: np.ndarray) -> np.ndarray:
-    """Return (k, 3, 3): the matrices of v x ."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    zero = np.zeros_like(x)
-    return np.stack([np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], axis=-2)
+    Attributes
+    ----------
+    inner : Block
+        What is compared.
+    pairs : (g, 2) int
+        Group k is inner group pairs[k, 0] minus inner group pairs[k, 1].
+    """
+
+    inner: Block
+    pairs: Int[np.ndarray, "g 2"]
+
+    @abstractmethod
+    def folded(self, multipliers: Float[np.ndarray, "g r"]) -> Float[np.ndarray, "i r"]:
+        """Multipliers of the inner rows that stand for multipliers of the differences."""

@@ -36,8 +36,9 @@ SOFT = Weights(fairness=1e-3, proximity=0.03)
 PAYS = 0.93
 """Factor by which the distance must fall for one more recentering."""
 
-Formulate = Callable[[np.ndarray, Weights], Callable[[np.ndarray], Problem]]
-"""Gives, for a reference (n, 3) and weights, the problem as a function of where the target is modeled."""
+Formulate = Callable[[np.ndarray, Weights, bool], Callable[[np.ndarray], Problem]]
+"""Gives the problem as a function of where the target is modeled, for a reference (n, 3), for weights, and with or
+without rows that keep the tiles convex."""
 
 
 @dataclass(frozen=True)
@@ -52,14 +53,20 @@ class Continuation:
         Of the direct solve; the time limit holds for everything.
     suffices : callable
         Does a solution (n, 3) have the edges and openings that were asked for, by its own sizes?
+    sound : callable
+        Are all tiles of a solution (n, 3) convex?
     in_stages : bool
         Whether a failed direct solve is followed by stages.
+    convex : bool
+        Whether rows keep the tiles convex. They are added where a solution is not sound without.
     """
 
     make_solver: Callable[[Limits], Solver]
     limits: Limits
     suffices: Callable[[np.ndarray], bool]
+    sound: Callable[[np.ndarray], bool]
     in_stages: bool = True
+    convex: bool = False
 
     def solve(
         self,
@@ -70,9 +77,25 @@ class Continuation:
     ) -> tuple[Outcome, tuple[str, ...]]:
         """Return the outcome and sentences on how it was reached, where that was not the direct way."""
         outcome, notes = self._solved(formulate, start, progress, should_stop)
+        if self.in_stages and not self.convex and self._is_unsound(outcome):
+            again, notes = replace(self, convex=True).solve(formulate, start, progress, should_stop)
+            return replace(again, history=outcome.history + again.history), (_TURNED, *notes)
+        if outcome.status is not Status.CONVERGED:
+            return outcome, notes
+        outcome, more = self.recentered(outcome, formulate, progress, should_stop)
+        return outcome, notes + more
+
+    def recentered(
+        self,
+        outcome: Outcome,
+        formulate: Formulate,
+        progress: Progress | None = None,
+        should_stop: ShouldStop | None = None,
+    ) -> tuple[Outcome, tuple[str, ...]]:
+        """Hold a converged sheet near itself instead of near its start, as often as that improves it."""
         count = 0
-        while outcome.status is Status.CONVERGED and self.in_stages and count < MOST_RECENTERINGS:
-            at = formulate(outcome.points, SOFT)
+        while self.in_stages and count < MOST_RECENTERINGS:
+            at = formulate(outcome.points, SOFT, self.convex)
             before = _distance(at(outcome.points), outcome.points)
             short = not self.suffices(outcome.points)
             if before <= FAR and not short:
@@ -81,19 +104,22 @@ class Continuation:
             found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
             after = _distance(at(found.points), found.points)
             better = after <= PAYS * before or (short and self.suffices(found.points))
-            if found.status is not Status.CONVERGED or not better:
+            if found.status is not Status.CONVERGED or not better or not self.sound(found.points):
                 break
             outcome, count = replace(found, history=outcome.history + found.history), count + 1
-        if count:
-            times = f"{count} time{'s' * (count > 1)}"
-            notes += (f"Solve: held near its solution instead of its start {times}, which improved it.",)
-        return outcome, notes
+        if not count:
+            return outcome, ()
+        times = f"{count} time{'s' * (count > 1)}"
+        return outcome, (f"Solve: held near its solution instead of its start {times}, which improved it.",)
+
+    def _is_unsound(self, outcome: Outcome) -> bool:
+        return outcome.status is Status.CONVERGED and not self.sound(outcome.points)
 
     def _solved(
         self, formulate: Formulate, start: np.ndarray, progress: Progress | None, should_stop: ShouldStop | None
     ) -> tuple[Outcome, tuple[str, ...]]:
         began = time.perf_counter()
-        at = formulate(start, Weights())
+        at = formulate(start, Weights(), self.convex)
         direct = self.make_solver(self.limits).solve(at(start), start, at, progress, should_stop)
         if direct.status in _FINAL or not self.in_stages:
             return direct, ()
@@ -102,7 +128,7 @@ class Continuation:
         for weights in STAGES:
             left = self.limits.max_seconds - (time.perf_counter() - began)
             limits = replace(self.limits, max_steps=STEPS_EACH, max_seconds=left)
-            at = formulate(points, weights)
+            at = formulate(points, weights, True)
             found = self.make_solver(limits).solve(at(points), points, at, progress, should_stop)
             history, stages = history + found.history, stages + 1
             points = found.points
@@ -118,6 +144,8 @@ class Continuation:
         )
         return replace(outcome, history=history), (note,)
 
+
+_TURNED = "Solve: without rows that keep the tiles convex some turned inside out; it was solved again with them."
 
 _FINAL = (Status.CONVERGED, Status.INTERRUPTED, Status.TIME_LIMIT)
 

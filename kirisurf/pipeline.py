@@ -12,14 +12,16 @@ import numpy as np
 from jaxtyping import Float
 
 from kirisurf.arrays import frozen
-from kirisurf.continuation import Continuation
+from kirisurf.cascade import Level, layouts, solve_cascade
+from kirisurf.continuation import Continuation, Formulate
 from kirisurf.contract import contract
 from kirisurf.errors import LimitError
 from kirisurf.formulation import Formulation, Weights
+from kirisurf.layout import Layout
 from kirisurf.problem import Problem
 from kirisurf.quadric_blend import QuadricBlend
-from kirisurf.scaling import median_edge, unit_scale
-from kirisurf.sizes import slit_openings, tile_edges
+from kirisurf.scaling import Frame, median_edge, unit_scale
+from kirisurf.sizes import are_convex, slit_openings, tile_edges
 from kirisurf.solvers.choice import default_steps, make_solver
 from kirisurf.solvers.outcome import Limits
 from kirisurf.spec import FitSpec
@@ -109,35 +111,24 @@ def fit_surface(
         notes = (f"Exact: the target of every vertex is the smooth surface of {QuadricBlend.formula}.",)
     start = make_start(surface, spec)
     started = clock()
-    frame, scaled = unit_scale(surface, start.tessellation, start.points)
     limits = Limits(
         # two digits below what is promised, for the rounding of contraction and files
         tolerance=float(np.clip(1e-2 * spec.tolerance, 1e-13, 1e-11)),
         max_steps=spec.max_steps if spec.max_steps is not None else default_steps(spec.solver),
-        max_seconds=np.inf if spec.max_seconds is None else spec.max_seconds - (started - began),
     )
 
-    def formulate(reference: np.ndarray, weights: Weights) -> Callable[[np.ndarray], Problem]:
-        return Formulation(
-            start.tessellation,
-            reference,
-            scaled,
-            weights,
-            exact=spec.closeness == "exact",
-            margin=MARGIN * float(np.sin(np.radians(spec.min_angle))),
-            smallest_edge=MARGIN * spec.min_edge * median_edge(start.tessellation, reference),
-        ).problem_at
+    def left() -> Limits:
+        """The limits with the time that is left now."""
+        return limits if spec.max_seconds is None else replace(limits, max_seconds=spec.max_seconds - (clock() - began))
 
-    def suffices(points: np.ndarray) -> bool:
-        edges = tile_edges(start.tessellation, points)
-        openings = slit_openings(start.tessellation, points)
-        return bool(
-            edges.min() >= spec.min_edge * np.median(edges)
-            and openings.min(initial=np.pi) >= np.radians(spec.min_angle)
-        )
-
-    continuation = Continuation(partial(make_solver, spec.solver), limits, suffices, spec.max_steps is None)
-    outcome, note = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
+    if start.layout is not None and spec.initial == "auto" and spec.closeness == "best" and _is_free(spec):
+        below = [partial(_level, surface, layout, spec, left) for layout in layouts(start.layout)[:0:-1]]
+        finest = _level(surface, start.layout, spec, left)
+        frame = finest.frame
+        outcome, note = solve_cascade(below, finest, progress, should_stop)
+    else:
+        frame, formulate, continuation = _formulated(surface, start.tessellation, start.points, spec, left())
+        outcome, note = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
     solved = clock()
     points = frozen(frame.back(outcome.points))
     fit = Fit(start.tessellation, points, frame.length, outcome.status, outcome.history)
@@ -151,6 +142,46 @@ def fit_surface(
         warnings=start.warnings,
         seconds={"start": started - began, "solve": solved - started, "contract": clock() - solved},
     )
+
+
+def _is_free(spec: FitSpec) -> bool:
+    """May the solve choose its own way? Not where the user limits its steps, or names a solver to compare with."""
+    return spec.max_steps is None and spec.solver in ("auto", "newton")
+
+
+def _level(surface: Surface, layout: Layout, spec: FitSpec, left: Callable[[], Limits]) -> Level:
+    return Level(layout, *_formulated(surface, layout.tessellation, layout.points, spec, left()))
+
+
+def _formulated(
+    surface: Surface, tessellation: Tessellation, points: np.ndarray, spec: FitSpec, limits: Limits
+) -> tuple[Frame, Formulate, Continuation]:
+    """The frame of a start (n, 3), its problems, and the way they are solved."""
+    frame, scaled = unit_scale(surface, tessellation, points)
+
+    def formulate(reference: np.ndarray, weights: Weights, convex: bool) -> Callable[[np.ndarray], Problem]:
+        return Formulation(
+            tessellation,
+            reference,
+            scaled,
+            weights,
+            exact=spec.closeness == "exact",
+            margin=MARGIN * float(np.sin(np.radians(spec.min_angle))),
+            smallest_edge=MARGIN * spec.min_edge * median_edge(tessellation, reference),
+            convex=convex,
+        ).problem_at
+
+    def suffices(points: np.ndarray) -> bool:
+        edges = tile_edges(tessellation, points)
+        openings = slit_openings(tessellation, points)
+        return bool(
+            edges.min() >= spec.min_edge * np.median(edges)
+            and openings.min(initial=np.pi) >= np.radians(spec.min_angle)
+        )
+
+    sound = partial(are_convex, tessellation)
+    solver = partial(make_solver, spec.solver)
+    return frame, formulate, Continuation(solver, limits, suffices, sound, spec.max_steps is None)
 
 
 def require_memory(spec: FitSpec) -> None:

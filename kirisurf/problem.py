@@ -9,13 +9,13 @@ over the deployed vertices x (n, 3), in units of the tile edge, so that every ro
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from kirisurf.block import Block
+from kirisurf.block import Block, Differences
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,29 +51,46 @@ class Problem:
         """Gradient of the objective, (3 n,)."""
         total = np.zeros(3 * self.n_vertices)
         for term in self.terms:
-            total += applied_transpose(
-                term.block, term.block.jacobian(points), term.weight * term.block.residual(points), self.n_vertices
-            )
+            block = carrier(term.block)
+            pull = carried(term.block, term.weight * term.block.residual(points))
+            total += applied_transpose(block, block.jacobian(points), pull, self.n_vertices)
         return total
 
     def equality_rows(self, points: Float[np.ndarray, "n 3"]) -> np.ndarray:
         """Residuals of all equality rows, in order of blocks, groups and rows."""
-        return _joined(b.residual(points) for b in self.equalities)
+        return joined(b.residual(points) for b in self.equalities)
 
     def inequality_rows(self, points: Float[np.ndarray, "n 3"]) -> np.ndarray:
         """Values of all inequality rows."""
-        return _joined(b.residual(points) for b in self.inequalities)
+        return joined(b.residual(points) for b in self.inequalities)
 
     def violations(self, points: Float[np.ndarray, "n 3"]) -> Mapping[str, float]:
         """Largest violation of every kind of row."""
-        found: dict[str, float] = {}
-        for block in self.equalities:
-            worst = float(np.abs(block.residual(points)).max(initial=0.0))
-            found[block.name] = max(found.get(block.name, 0.0), worst)
-        for block in self.inequalities:
-            worst = float(np.maximum(-block.residual(points), 0).max(initial=0.0))
-            found[block.name] = max(found.get(block.name, 0.0), worst)
-        return found
+        return worst_violations(
+            [(b, b.residual(points)) for b in self.equalities], [(b, b.residual(points)) for b in self.inequalities]
+        )
+
+
+def worst_violations(
+    equalities: Iterable[tuple[Block, np.ndarray]], inequalities: Iterable[tuple[Block, np.ndarray]]
+) -> Mapping[str, float]:
+    """Return the largest violation of every kind of row, from blocks and their residuals."""
+    found: dict[str, float] = {}
+    for block, rows in equalities:
+        found[block.name] = max(found.get(block.name, 0.0), float(np.abs(rows).max(initial=0.0)))
+    for block, rows in inequalities:
+        found[block.name] = max(found.get(block.name, 0.0), float(np.maximum(-rows, 0).max(initial=0.0)))
+    return found
+
+
+def carrier(block: Block) -> Block:
+    """Return the block whose derivatives those of a term are made of: of differences, the inner one."""
+    return block.inner if isinstance(block, Differences) else block
+
+
+def carried(block: Block, multipliers: np.ndarray) -> np.ndarray:
+    """Return multipliers (g, r) of a term as multipliers of its `carrier`."""
+    return block.folded(multipliers) if isinstance(block, Differences) else multipliers
 
 
 def applied_transpose(block: Block, jacobian: np.ndarray, multipliers: np.ndarray, n: int) -> np.ndarray:
@@ -89,6 +106,7 @@ def applied(block: Block, jacobian: np.ndarray, direction: np.ndarray) -> np.nda
     return np.einsum("grp,gp->gr", jacobian, local)
 
 
-def _joined(parts: Iterator[np.ndarray]) -> np.ndarray:
+def joined(parts: Iterable[np.ndarray]) -> np.ndarray:
+    """Return rows (g, r) of several blocks as one vector."""
     rows = [p.ravel() for p in parts]
     return np.concatenate(rows) if rows else np.zeros(0)

@@ -19,3 +19,14 @@ def slit_openings(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) 
     ends = points[tessellation.hinges[tessellation.slit_ends, :3]]
     u, v = ends[:, 0] - ends[:, 1], ends[:, 2] - ends[:, 1]
     return np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ki,ki->k", u, v))
+
+
+def are_convex(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) -> bool:
+    """Do all tiles turn the same way at all of their corners?"""
+    for _, tiles in tessellation.tiles.by_size().values():
+        corner = points[tiles]
+        side = np.roll(corner, -1, axis=1) - corner
+        turn = np.cross(np.roll(side, 1, axis=1), side)
+        if (np.einsum("tki,tki->tk", turn, np.roll(turn, -1, axis=1)) <= 0).any():
+            return False
+    return True

@@ -15,7 +15,7 @@ from kirisurf.errors import ParameterError
 TESSELLATIONS = ("quad", "kagome", "hexagon", "islamic-quad", "islamic-triangle")
 CLOSENESS = ("best", "exact")
 INITIALS = ("auto", "standard", "rescaled", "conformal", "teichmuller", "analytic", "flat")
-SOLVERS = ("auto", "newton", "slsqp", "trust-constr")
+SOLVERS = ("auto", "newton", "slsqp", "trust-constr", "ipopt", "uno")
 UNITS = ("um", "mm", "cm", "m", "in", "ft")
 DEFAULT_TILES = 300
 LEAST_TOLERANCE = 1e-12

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from kirisurf.errors import UnusableError
 from kirisurf.flattening import Flattening, checked_flattening, flatten
-from kirisurf.guess import lay_quads, tile_centers
-from kirisurf.pattern import tile_pattern
+from kirisurf.guess import tile_centers
+from kirisurf.layout import LEAST_OPENING, MOST_OPENING, Layout
 from kirisurf.placement import CLOSE, MOST_UNEQUAL, Placement, rectangle_placement, trimmed_placement
 from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners
 from kirisurf.spec import DEFAULT_TILES, FitSpec
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
-from kirisurf.unit_cell import quad_cell
-
-LEAST_OPENING, MOST_OPENING = 6.0, 84.0
-"""Range of the slits' opening in a start, in degrees; 0 is closed, 90 fully open."""
 
 LEAST_STRETCH, MOST_STRETCH = 1.05, 1.40
 """Range of the stretch that is planned for: a quad sheet can give 1 to sqrt 2."""
@@ -36,12 +32,15 @@ class Start:
         Initial guess, in the target's units.
     notes, warnings : tuple of str
         The automatic choices with their reasons, and what needs to be read.
+    layout : Layout, optional
+        How the points came about, where the pattern was laid on the target: from it follow coarser starts.
     """
 
     tessellation: Tessellation
     points: Float[np.ndarray, "n 3"]
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
+    layout: Layout | None = None
 
 
 def make_start(surface: Surface, spec: FitSpec) -> Start:
@@ -68,16 +67,14 @@ def make_start(surface: Surface, spec: FitSpec) -> Start:
         flattening, placement = _rectangle(base, conformal, spec.cells, notes, warnings)
     else:
         flattening, placement = base, _trimmed(base, spec, notes, warnings)
-    tessellation = tile_pattern(quad_cell(0.5), placement.mask)
-    asked = conformal.log_scale
-    local = flattening.interpolate(asked, tile_centers(tessellation, placement))
-    stretch = _stretch(local, spec, notes, warnings)
-    least, most = np.radians(LEAST_OPENING), np.radians(MOST_OPENING)
-    points = lay_quads(tessellation, placement, flattening, stretch, least, most)
+    layout = Layout(flattening, placement, conformal.log_scale)
+    asked = flattening.interpolate(conformal.log_scale, tile_centers(layout.tessellation, placement))
+    layout = replace(layout, log_stretch=_stretch(conformal.log_scale, asked, spec, notes, warnings))
     if spec.initial == "flat":
-        points = _laid_flat(surface, _mean_plane(surface, conformal), flattening, placement, tessellation, stretch)
+        points = _laid_flat(surface, _mean_plane(surface, conformal), layout)
         notes.append("Start: the pattern lies flat in the mean plane of the target (--initial flat).")
-    return Start(tessellation, points, tuple(notes), tuple(warnings))
+        return Start(layout.tessellation, points, tuple(notes), tuple(warnings))
+    return Start(layout.tessellation, layout.points, tuple(notes), tuple(warnings), layout)
 
 
 def _rectangle(
@@ -122,8 +119,10 @@ def _trimmed(base: Flattening, spec: FitSpec, notes: list[str], warnings: list[s
     return placement
 
 
-def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[str]) -> np.ndarray:
-    """Logarithm of the planned stretch of every tile."""
+def _stretch(
+    log_scale: np.ndarray, asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[str]
+) -> np.ndarray:
+    """Logarithm of the planned stretch at every vertex (v,), from what the target asks there and at the tiles."""
     low, high = np.percentile(asked, [2, 98])
     spread = float(np.exp(high - low))
     if spec.opening == "auto" and spec.initial != "standard":
@@ -133,14 +132,14 @@ def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[
             f"over the sheet; its middle lies halfway between {LEAST_STRETCH:g} and {MOST_STRETCH:g} "
             "(a quad sheet can stretch from 1 to 1.41)."
         )
-        stretch = asked + middle
+        stretch = log_scale + middle
     else:
         opening = 60.0 if spec.opening == "auto" else float(spec.opening)
         opening = float(np.clip(opening, LEAST_OPENING, MOST_OPENING))
         half = np.radians(opening) / 2
-        stretch = np.full(len(asked), np.log(np.cos(half) + np.sin(half)))
+        stretch = np.full(len(log_scale), np.log(np.cos(half) + np.sin(half)))
         if spec.initial != "standard":
-            stretch = stretch + asked - np.median(asked)
+            stretch = stretch + log_scale - np.median(asked)
         reason = "as for every standard start" if spec.opening == "auto" else "as asked"
         if spec.opening not in ("auto", opening):
             reason = f"{spec.opening:g} was asked, starts lie between {LEAST_OPENING:g} and {MOST_OPENING:g}"
@@ -154,21 +153,15 @@ def _stretch(asked: np.ndarray, spec: FitSpec, notes: list[str], warnings: list[
     return stretch
 
 
-def _laid_flat(
-    surface: Surface,
-    plane: np.ndarray,
-    flattening: Flattening,
-    placement: Placement,
-    tessellation: Tessellation,
-    stretch: np.ndarray,
-) -> np.ndarray:
+def _laid_flat(surface: Surface, plane: np.ndarray, layout: Layout) -> np.ndarray:
     """The laid pattern, in the mean plane of the surface and turned like it."""
     center = surface.vertices.mean(axis=0)
+    flattening = layout.flattening
     uv = flattening.uv - flattening.uv.mean(axis=0)
     vertices = center + uv @ _turn(surface, uv, (surface.vertices - center) @ plane.T) @ plane
     flat_surface = Surface.from_arrays(vertices, surface.faces, surface.name)
     moved = Flattening(flat_surface, flattening.uv, flattening.log_scale, flattening.kind)
-    return lay_quads(tessellation, placement, moved, stretch)
+    return replace(layout, flattening=moved).points
 
 
 def _mean_plane(surface: Surface, conformal: Flattening) -> np.ndarray:

@@ -117,7 +117,8 @@ def add_spec_options(parser: Parser) -> None:
     add(
         solve,
         "--solver",
-        f"{' | '.join(SOLVERS)}; default: auto. slsqp and trust-constr are slow cross-checks",
+        f"{' | '.join(SOLVERS)}; default: auto. The last four are slow cross-checks; "
+        "ipopt and uno need the extra kirisurf[peers]",
         metavar="NAME",
     )
     add(

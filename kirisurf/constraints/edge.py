@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kirisurf.block import difference_matrix
 from kirisurf.tessellation import Tessellation
+from kirisurf.vectors import dot, gathered
 
-_HESSIAN = 2 * difference_matrix(0, 1, 2).T @ difference_matrix(0, 1, 2)
+SQUARED_LENGTH_HESSIAN = 2 * np.kron([[1.0, -1.0], [-1.0, 1.0]], np.eye(3))
+"""Second derivatives (6, 6) of |a - b|^2 by the points a and b."""
 
 
 class LongEdges:
@@ -23,14 +24,16 @@ class LongEdges:
 
     def residual(self, points: np.ndarray) -> np.ndarray:
         """|e|^2 - smallest^2, (s, 1): not negative where allowed."""
-        edge = points[self.stencil[:, 1]] - points[self.stencil[:, 0]]
-        return np.einsum("ki,ki->k", edge, edge)[:, None] - self._smallest**2
+        begin, end = gathered(points, self.stencil)
+        edge = end - begin
+        return dot(edge, edge)[:, None] - self._smallest**2
 
     def jacobian(self, points: np.ndarray) -> np.ndarray:
         """First derivatives (s, 1, 6)."""
-        edge = 2 * (points[self.stencil[:, 1]] - points[self.stencil[:, 0]])
+        begin, end = points.take(self.stencil.T, axis=0)
+        edge = 2 * (end - begin)
         return np.concatenate([-edge, edge], axis=1)[:, None, :]
 
     def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Second derivatives (s, 6, 6)."""
-        return multipliers[:, 0, None, None] * _HESSIAN
+        return multipliers[:, :, None] * SQUARED_LENGTH_HESSIAN

@@ -8,77 +8,65 @@ from __future__ import annotations
 
 import numpy as np
 
-from kirisurf.block import cross_matrix
+from kirisurf.latest import Latest
+from kirisurf.normal_product import gradient, hessian
 from kirisurf.tessellation import Tessellation
+from kirisurf.vectors import add_origin, cross, dot, gathered
 
 
 class OpenHinges:
-    """Two inequality rows for every slit end: a is the hinge, b ends one side, c the other, d goes on in c's tile.
+    """Two inequality rows for every slit end: a is the hinge, b ends one side, c the other.
 
+    In the first row d goes on from a in c's tile; in the second b and c change roles, and it goes on in b's.
     A row is positive where the slit opens the right way about the normal of one tile; the margin keeps it open.
     Why two, where the paper has one: between tiles that are folded sharply against each other a slit can be open
     about the one normal and closed about the other, and then also about their mean.
     """
 
     name = "opening"
-    n_rows = 1
+    n_rows = 2
 
     def __init__(self, tessellation: Tessellation, margin: float, start: np.ndarray) -> None:
         self.margin = margin
-        self._scale = np.ones(1)
-        ends = tessellation.hinges[tessellation.slit_ends]
-        # (u x v).(v x w) with the roles of the two tiles exchanged changes sign twice: both rows are alike
-        self.stencil = np.concatenate([ends[:, [1, 0, 2, 3]], ends[:, [1, 2, 0, 4]]])
+        # (a, b, c, d of the first row, d of the second)
+        self.stencil = tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2, 3, 4]]
         self.curvature_stencil = self.stencil
-        u, v, w, _, _ = self._parts(start)
-        lu, lv, lw = (np.linalg.norm(side, axis=1) for side in (u, v, w))
-        self._scale = 1.0 / (lu * lv**2 * lw)
+        self._sides = Latest(self._sides_at)
+        lb, lc, ld, le = (np.sqrt(dot(side, side)) for side in self._sides(start))
+        self._scale = 1.0 / np.stack([lb * lc**2 * ld, lc * lb**2 * le])
 
-    def _parts(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
-        a, b, c, d = np.moveaxis(points[self.stencil], 1, 0)
-        u, v, w = b - a, c - a, d - a
-        return u, v, w, np.cross(u, v), np.cross(v, w)
+    def _sides_at(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        a, *others = gathered(points, self.stencil)
+        return tuple(other - a for other in others)
 
     def residual(self, points: np.ndarray) -> np.ndarray:
-        """Scaled rows minus the margin, (k, 1): not negative where allowed."""
-        *_, first, second = self._parts(points)
-        return (self._scale * np.einsum("ki,ki->k", first, second))[:, None] - self.margin
+        """Scaled rows minus the margin, (k, 2): not negative where allowed."""
+        b, c, d, e = self._sides(points)
+        # (u x v).(v x w) with the roles of the two tiles exchanged changes sign twice: both rows are alike
+        normal = cross(b, c)
+        rows = np.stack([dot(normal, cross(c, d)), -dot(normal, cross(b, e))])
+        return (self._scale * rows - self.margin).T
 
     def jacobian(self, points: np.ndarray) -> np.ndarray:
-        """First derivatives (k, 1, 12)."""
-        u, v, w, first, second = self._parts(points)
-        du, dw = np.cross(v, second), np.cross(first, v)
-        dv = np.cross(second, u) + np.cross(w, first)
-        return (self._scale[:, None] * np.concatenate([-du - dv - dw, du, dv, dw], axis=1))[:, None, :]
+        """First derivatives (k, 2, 15)."""
+        b, c, d, e = self._sides(points)
+        result = np.zeros((2, 5, 3, b.shape[1]))
+        for row, scale, (i, j, k), sides in zip(
+            result, self._scale, ((1, 2, 3), (2, 1, 4)), ((b, c, d), (c, b, e)), strict=True
+        ):
+            row[i], row[j], row[k] = gradient(*sides, scale)
+            np.negative(row[i] + row[j] + row[k], out=row[0])
+        return np.moveaxis(result.reshape(2, 15, -1), -1, 0)
 
     def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
-        """Second derivatives (k, 12, 12).
-
-        With P = u x v, Q = v x w, f = P.Q, and matrices [x] of the cross product:
-        dP = [u] dv - [v] du, dQ = [v] dw - [w] dv, and d2f = 2 dP.dQ + d2P.Q + P.d2Q.
-        """
-        u, v, w, first, second = self._parts(points)
-        mu, mv, mw = cross_matrix(u), cross_matrix(v), cross_matrix(w)
-        zero = np.zeros_like(mu)
-        dp = np.concatenate([-mv, mu, zero], axis=2)
-        dq = np.concatenate([zero, -mw, mv], axis=2)
-        full = np.swapaxes(dp, 1, 2) @ dq
-        full += np.swapaxes(full, 1, 2).copy()
-        # Q.(du x dv) = du.(dv x Q) = -du.[Q] dv, and P.(dv x dw) likewise
-        mq, mp = cross_matrix(second), cross_matrix(first)
-        full[:, 0:3, 3:6] -= mq
-        full[:, 3:6, 0:3] += mq
-        full[:, 3:6, 6:9] -= mp
-        full[:, 6:9, 3:6] += mp
-        return (self._scale * multipliers[:, 0])[:, None, None] * _with_origin(full)
-
-
-def _with_origin(full: np.ndarray) -> np.ndarray:
-    """Extend second derivatives by difference vectors (k, 9, 9) to the points (origin, ...) (k, 12, 12)."""
-    result = np.zeros((len(full), 12, 12))
-    result[:, 3:, 3:] = full
-    columns = full[:, 0:3] + full[:, 3:6] + full[:, 6:9]
-    result[:, 0:3, 3:] = -columns
-    result[:, 3:, 0:3] = -np.swapaxes(columns, 1, 2)
-    result[:, 0:3, 0:3] = columns[:, :, 0:3] + columns[:, :, 3:6] + columns[:, :, 6:9]
-    return result
+        """Second derivatives (k, 15, 15)."""
+        b, c, d, e = self._sides(points)
+        weights = self._scale * multipliers.T
+        full = np.zeros((5, 3, 5, 3, b.shape[1]))
+        for weight, (i, j, k), sides in zip(weights, ((1, 2, 3), (2, 1, 4)), ((b, c, d), (c, b, e)), strict=True):
+            full[i, :, j], full[i, :, k], full[j, :, j], full[j, :, k] = hessian(*sides, weight)
+        # both rows have a block of b and c; all others are of one row alone
+        full[1, :, 2] += full[2, :, 1].swapaxes(0, 1)
+        for i, j in ((1, 2), (1, 3), (2, 3), (1, 4), (2, 4)):
+            full[j, :, i] = full[i, :, j].swapaxes(0, 1)
+        return add_origin(full)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from kirisurf.block import cross_matrix
+from kirisurf.latest import Latest
 from kirisurf.tessellation import Tessellation
+from kirisurf.vectors import add_origin, cross, dot, gathered
 
 
 class FlatTiles:
@@ -20,33 +21,32 @@ class FlatTiles:
         stencils = [tiles[:, [0, k, k + 1, k + 2]] for k in range(1, size - 2)]
         self.stencil = np.concatenate(stencils)
         self.curvature_stencil = self.stencil
+        self._edges = Latest(self._edges_at)
 
-    def _edges(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        a, b, c, d = np.moveaxis(points[self.stencil], 1, 0)
-        return b - a, c - a, d - a
+    def _edges_at(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        a, b, c, d = gathered(points, self.stencil)
+        u, v, w = b - a, c - a, d - a
+        return u, v, w, cross(v, w)
 
     def residual(self, points: np.ndarray) -> np.ndarray:
         """Signed volumes, (rows, 1)."""
-        u, v, w = self._edges(points)
-        return np.einsum("ki,ki->k", u, np.cross(v, w))[:, None]
+        u, _, _, du = self._edges(points)
+        return dot(u, du)[:, None]
 
     def jacobian(self, points: np.ndarray) -> np.ndarray:
         """First derivatives (rows, 1, 12)."""
-        u, v, w = self._edges(points)
-        du, dv, dw = np.cross(v, w), np.cross(w, u), np.cross(u, v)
-        return np.concatenate([-du - dv - dw, du, dv, dw], axis=1)[:, None, :]
+        u, v, w, du = self._edges(points)
+        dv, dw = cross(w, u), cross(u, v)
+        return np.concatenate([-du - dv - dw, du, dv, dw])[None].transpose(2, 0, 1)
 
     def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Second derivatives (rows, 12, 12)."""
-        u, v, w = self._edges(points)
-        full = np.zeros((len(u), 12, 12))
+        u, v, w, _ = self._edges(points)
+        full = np.zeros((4, 3, 4, 3, len(multipliers)))
         # the gradient with respect to u is v x w: its derivative by w is [v x], by v is -[w x]
         for i, j, vector in ((1, 3, v), (3, 2, u), (2, 1, w)):
-            block = cross_matrix(vector)
-            full[:, 3 * i : 3 * i + 3, 3 * j : 3 * j + 3] = block
-            full[:, 3 * j : 3 * j + 3, 3 * i : 3 * i + 3] = np.swapaxes(block, 1, 2)
-        # the volume depends on differences only: rows and columns of the first corner follow
-        first = -(full[:, 3:6] + full[:, 6:9] + full[:, 9:12])
-        full[:, 0:3] = first
-        full[:, :, 0:3] = -(full[:, :, 3:6] + full[:, :, 6:9] + full[:, :, 9:12])
-        return multipliers[:, 0, None, None] * full
+            x, y, z = multipliers[:, 0] * vector
+            for row, column, value in ((2, 1, x), (0, 2, y), (1, 0, z)):
+                full[i, row, j, column] = full[j, column, i, row] = value
+                full[i, column, j, row] = full[j, row, i, column] = -value
+        return add_origin(full)

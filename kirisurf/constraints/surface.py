@@ -31,16 +31,20 @@ class OnSurface:
         self._normals = projection.normals[vertices]
         self._shape = projection.shape_operators[vertices]
 
+    def _away(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return x - p and S (x - p), (k, 3) each."""
+        away = points[self.stencil[:, 0]] - self._points
+        return away, (self._shape @ away[:, :, None])[:, :, 0]
+
     def residual(self, points: np.ndarray) -> np.ndarray:
         """Signed distances, (k, 1)."""
-        away = points[self.stencil[:, 0]] - self._points
-        bent = np.einsum("ki,kij,kj->k", away, self._shape, away)
-        return (np.einsum("ki,ki->k", away, self._normals) - 0.5 * bent)[:, None]
+        away, bent = self._away(points)
+        return np.einsum("ki,ki->k", away, self._normals - 0.5 * bent)[:, None]
 
     def jacobian(self, points: np.ndarray) -> np.ndarray:
         """First derivatives (k, 1, 3)."""
-        away = points[self.stencil[:, 0]] - self._points
-        return (self._normals - np.einsum("kij,kj->ki", self._shape, away))[:, None, :]
+        _, bent = self._away(points)
+        return (self._normals - bent)[:, None, :]
 
     def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Second derivatives (k, 3, 3)."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
-from kirisurf.corner_angle import corner_angles, corner_gradients, corner_hessians
+from kirisurf.corner_angle import CornerAngles
+from kirisurf.latest import Latest
 from kirisurf.tessellation import Tessellation
+from kirisurf.vectors import gathered
 
 
 def neighbor_tiles(tessellation: Tessellation) -> np.ndarray:
@@ -20,6 +23,52 @@ def neighbor_tiles(tessellation: Tessellation) -> np.ndarray:
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
+class TileShapes:
+    """2 k rows for every chosen tile of k corners: edge length (over L) and angle of each corner in turn.
+
+    Parameters
+    ----------
+    loops : (t, k) int
+        Vertices of the tiles.
+    """
+
+    name = "shape"
+
+    def __init__(self, loops: np.ndarray) -> None:
+        size = loops.shape[1]
+        self.n_rows = 2 * size
+        self.stencil = loops
+        corners = np.stack([np.roll(loops, 1, axis=1), loops, np.roll(loops, -1, axis=1)], axis=2)
+        self.curvature_stencil = corners.reshape(-1, 3)
+        self._corners = Latest(self._corners_at)
+
+    def _corners_at(self, points: np.ndarray) -> CornerAngles:
+        return CornerAngles(gathered(points, self.curvature_stencil))
+
+    def residual(self, points: np.ndarray) -> np.ndarray:
+        """Lengths and angles (t, 2 k)."""
+        corners = self._corners(points)
+        return np.stack([corners.lengths, corners.angles], axis=1).reshape(-1, self.n_rows)
+
+    def jacobian(self, points: np.ndarray) -> np.ndarray:
+        """First derivatives (t, 2 k, 3 k)."""
+        corners, (n_tiles, size) = self._corners(points), self.stencil.shape
+        # of corner k of tile t: [..., t, k]
+        direction = corners.directions.reshape(3, n_tiles, size)
+        gradient = corners.gradients.reshape(3, 3, n_tiles, size)
+        result = np.zeros((size, 2, size, 3, n_tiles))
+        for k in range(size):
+            before, after = (k - 1) % size, (k + 1) % size
+            result[k, 0, k], result[k, 0, after] = -direction[..., k], direction[..., k]
+            result[k, 1, before], result[k, 1, k], result[k, 1, after] = gradient[..., k]
+        return np.moveaxis(result.reshape(2 * size, 3 * size, n_tiles), -1, 0)
+
+    def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
+        """Second derivatives (corners, 9, 9)."""
+        stretch, weights = multipliers.reshape(-1, 2).T
+        return self._corners(points).hessians(weights, stretch)
+
+
 class EqualNeighbors:
     """2 k rows for every pair of equal tiles of k corners: differences of edge lengths (over L) and of angles.
 
@@ -32,53 +81,32 @@ class EqualNeighbors:
     def __init__(self, tessellation: Tessellation, size: int) -> None:
         pairs = neighbor_tiles(tessellation)
         pairs = pairs[(tessellation.tiles.sizes[pairs] == size).all(axis=1)]
-        self._tiles, self._pair = np.unique(pairs, return_inverse=True)
-        self._pair = self._pair.reshape(-1, 2)
-        loops = tessellation.tiles.indices[tessellation.tiles.offsets[self._tiles][:, None] + np.arange(size)]
-        self.n_rows = 2 * size
-        self._size = size
-        self.stencil = loops[self._pair].reshape(len(pairs), 2 * size)
-        corners = np.stack([np.roll(loops, 1, axis=1), loops, np.roll(loops, -1, axis=1)], axis=2)
-        self.curvature_stencil = corners.reshape(-1, 3)
-        # where the coordinates of (previous, vertex, next) of corner k stand within a tile
-        k = np.arange(size)
-        around = np.stack([(k - 1) % size, k, (k + 1) % size], axis=1)
-        self._columns = (3 * around[:, :, None] + np.arange(3)).reshape(size, 9)
+        tiles, places = np.unique(pairs, return_inverse=True)
+        self.pairs = places.reshape(-1, 2)
+        loops = tessellation.tiles.indices[tessellation.tiles.offsets[tiles][:, None] + np.arange(size)]
+        self.inner = TileShapes(loops)
+        self.n_rows = self.inner.n_rows
+        self.stencil = loops[self.pairs].reshape(len(pairs), 2 * size)
+        self.curvature_stencil = self.inner.curvature_stencil
+        signs = np.tile([1.0, -1.0], len(pairs))
+        self._folding = csr_matrix(
+            (signs, (self.pairs.ravel(), np.repeat(np.arange(len(pairs)), 2))), shape=(len(tiles), len(pairs))
+        )
 
     def residual(self, points: np.ndarray) -> np.ndarray:
         """Differences (m, 2 k)."""
-        corners = points[self.curvature_stencil]
-        lengths = np.linalg.norm(corners[:, 2] - corners[:, 1], axis=1)
-        values = np.stack([lengths, corner_angles(corners)], axis=1).reshape(len(self._tiles), -1)
-        return values[self._pair[:, 0]] - values[self._pair[:, 1]]
+        values = self.inner.residual(points)
+        return values[self.pairs[:, 0]] - values[self.pairs[:, 1]]
 
     def jacobian(self, points: np.ndarray) -> np.ndarray:
         """First derivatives (m, 2 k, 6 k)."""
-        size, corners = self._size, points[self.curvature_stencil]
-        edge = corners[:, 2] - corners[:, 1]
-        unit = edge / np.linalg.norm(edge, axis=1, keepdims=True)
-        lengths = np.concatenate([np.zeros_like(unit), -unit, unit], axis=1)
-        gradients = np.stack([lengths, corner_gradients(corners)], axis=1).reshape(-1, size, 2, 9)
-        tile = np.zeros((len(self._tiles), size, 2, 3 * size))
-        for k in range(size):
-            tile[:, k, :, self._columns[k]] = np.moveaxis(gradients[:, k], 2, 0)
-        rows = tile.reshape(-1, 2 * size, 3 * size)
-        return np.concatenate([rows[self._pair[:, 0]], -rows[self._pair[:, 1]]], axis=2)
+        rows = self.inner.jacobian(points)
+        return np.concatenate([rows[self.pairs[:, 0]], -rows[self.pairs[:, 1]]], axis=2)
 
     def curvature(self, points: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Second derivatives (corners, 9, 9)."""
-        total = np.zeros((len(self._tiles), self.n_rows))
-        np.add.at(total, self._pair[:, 0], multipliers)
-        np.add.at(total, self._pair[:, 1], -multipliers)
-        weight = total.reshape(-1, 2)
-        corners = points[self.curvature_stencil]
-        edge = corners[:, 2] - corners[:, 1]
-        length = np.linalg.norm(edge, axis=1)
-        unit = edge / length[:, None]
-        bend = (np.eye(3) - unit[:, :, None] * unit[:, None, :]) * (weight[:, 0] / length)[:, None, None]
-        result = weight[:, 1, None, None] * corner_hessians(corners)
-        result[:, 3:6, 3:6] += bend
-        result[:, 6:9, 6:9] += bend
-        result[:, 3:6, 6:9] -= bend
-        result[:, 6:9, 3:6] -= bend
-        return result
+        return self.inner.curvature(points, self.folded(multipliers))
+
+    def folded(self, multipliers: np.ndarray) -> np.ndarray:
+        """Multipliers of the tiles' own rows (t, 2 k)."""
+        return self._folding @ multipliers

@@ -2,100 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from scipy.sparse import bsr_matrix, csr_matrix
 
 from kirisurf.block import Block
-
-
-class BlockPattern:
-    """Sums dense blocks of vertex groups into unique (row node, vertex) pairs, ordered by row and vertex.
-
-    Parameters
-    ----------
-    rows, columns : sequences of (k_i,) int
-        Node pair of every block of every source.
-    width : int
-        Bound of the column nodes.
-    shape : tuple of int
-        Shape of one block.
-    """
-
-    def __init__(self, rows: Sequence[np.ndarray], columns: Sequence[np.ndarray], width: int, shape: tuple) -> None:
-        keys = [r.ravel() * width + c.ravel() for r, c in zip(rows, columns, strict=True)]
-        unique, inverse = np.unique(np.concatenate(keys) if keys else np.zeros(0, np.int64), return_inverse=True)
-        self.rows, self.columns = unique // width, unique % width
-        self._size = int(np.prod(shape))
-        self._shape = shape
-        ends = np.cumsum([len(k) for k in keys])
-        flat = inverse.ravel()[:, None] * self._size + np.arange(self._size)
-        self._targets = [f.ravel() for f in np.split(flat, ends[:-1])] if keys else []
-
-    def sum(self, sources: Sequence[np.ndarray], first: int = 0) -> np.ndarray:
-        """Add up blocks of successive sources, from number `first` on, (unique pairs, *shape)."""
-        n = len(self.rows) * self._size
-        total = np.zeros(n)
-        for target, values in zip(self._targets[first:], sources, strict=False):
-            total += np.bincount(target, values.ravel(), n)
-        return total.reshape(-1, *self._shape)
-
-    def pointers(self, n_rows: int) -> np.ndarray:
-        """Start of every row in the sorted pairs, (n_rows + 1,)."""
-        return np.searchsorted(self.rows, np.arange(n_rows + 1))
-
-
-def vertex_blocks(values: np.ndarray) -> np.ndarray:
-    """Reshape second derivatives (c, 3q, 3q) to vertex pairs (c, q, q, 3, 3)."""
-    c, q = len(values), values.shape[1] // 3
-    return values.reshape(c, q, 3, q, 3).transpose(0, 1, 3, 2, 4)
+from kirisurf.solvers.vertex_pairs import BlockSum, Stencil, VertexPairs
 
 
 class Assembly:
     """Hessians H and products J'J (both by 3x3 blocks on one pattern), and the Jacobian J of the equalities.
+
+    It lends its workspace to the sums, one at a time: not for threads that assemble at once.
 
     Parameters
     ----------
     n_vertices : int
     equalities : sequence of Block
         Blocks whose rows enter J.
-    stencils : sequence of (c, q) int
+    stencils : sequence of Stencil
         Stencils of everything that adds to H.
     """
 
-    def __init__(self, n_vertices: int, equalities: Sequence[Block], stencils: Sequence[np.ndarray]) -> None:
+    def __init__(self, n_vertices: int, equalities: Sequence[Block], stencils: Sequence[Stencil]) -> None:
         self.n, self.n_dofs = n_vertices, 3 * n_vertices
         sizes = [len(b.stencil) * b.n_rows for b in equalities]
         self.n_rows = int(sum(sizes))
-        every = [*stencils, *(b.stencil for b in equalities)]
-        pairs = [np.broadcast_arrays(s[:, :, None], s[:, None, :]) for s in every]
-        vertices = np.arange(n_vertices)
-        self.pattern = BlockPattern(
-            [*(p[0] for p in pairs), vertices], [*(p[1] for p in pairs), vertices], n_vertices, (3, 3)
-        )
-        self._n_stencils = len(stencils)
-        self._pointers = self.pattern.pointers(n_vertices)
+        own = [b.stencil for b in equalities]
+        self.pattern = VertexPairs(n_vertices, [*stencils, *own])
+        self._hessian, self._normal = BlockSum(self.pattern, stencils), BlockSum(self.pattern, own)
         self._diagonal = np.flatnonzero(self.pattern.rows == self.pattern.columns)
-        rows, columns = [], []
+        rows, columns = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
         for block, start in zip(equalities, np.cumsum([0, *sizes]), strict=False):
-            g = len(block.stencil)
-            number = start + np.arange(g * block.n_rows).reshape(g, block.n_rows, 1)
-            r, c = np.broadcast_arrays(number, block.stencil[:, None, :])
-            rows.append(r)
-            columns.append(c)
-        self._jacobian = BlockPattern(rows, columns, n_vertices, (3,))
-        self._jacobian_pointers = 3 * self._jacobian.pointers(self.n_rows)
-        self._jacobian_columns = (3 * self._jacobian.columns[:, None] + np.arange(3)).ravel()
+            shape = len(block.stencil), block.n_rows, 3 * block.stencil.shape[1]
+            dofs = 3 * block.stencil[:, None, :, None] + np.arange(3)
+            columns.append(np.broadcast_to(dofs.reshape(shape[0], 1, shape[2]), shape).ravel())
+            rows.append(np.repeat(start + np.arange(shape[0] * shape[1]), shape[2]))
+        place = np.concatenate(rows), np.concatenate(columns)
+        pattern = csr_matrix((np.ones(len(place[0]), np.int8), place), shape=(self.n_rows, self.n_dofs))
+        pattern.sum_duplicates()
+        numbers = csr_matrix((np.arange(pattern.nnz), pattern.indices, pattern.indptr), shape=pattern.shape)
+        self._jacobian, self._places = pattern, np.asarray(numbers[place]).ravel()
 
-    def hessian(self, sources: Sequence[np.ndarray]) -> np.ndarray:
-        """Add up vertex blocks in the order of the stencils, (pairs, 3, 3)."""
-        return self.pattern.sum(sources)
+    def hessian(self, sources: Iterable[np.ndarray | None]) -> np.ndarray:
+        """Add up blocks (k, 3 p, 3 q) in the order of the stencils, None for zeros; (pairs, 3, 3)."""
+        return self._hessian.sum(sources)
 
     def normal(self, jacobians: Sequence[np.ndarray]) -> np.ndarray:
         """Add up J'J from the blocks' Jacobians (g, r, 3 p), (pairs, 3, 3)."""
-        products = [vertex_blocks(np.swapaxes(j, 1, 2) @ j) for j in jacobians]
-        return self.pattern.sum(products, self._n_stencils)
+        return self._normal.sum(product(j) for j in jacobians)
 
     def shifted(self, blocks: np.ndarray, shift: float) -> np.ndarray:
         """Return blocks with a multiple of the identity added to the matrix."""
@@ -107,10 +63,19 @@ class Assembly:
 
     def matrix(self, blocks: np.ndarray) -> bsr_matrix:
         """Return blocks as a sparse matrix (3 n, 3 n)."""
-        return bsr_matrix((blocks, self.pattern.columns, self._pointers), shape=(self.n_dofs, self.n_dofs))
+        return bsr_matrix((blocks, self.pattern.columns, self.pattern.pointers), shape=(self.n_dofs, self.n_dofs))
 
     def jacobian(self, jacobians: Sequence[np.ndarray]) -> csr_matrix:
         """Return J (rows, 3 n)."""
-        data = self._jacobian.sum(jacobians).ravel()
-        shape = (self.n_rows, self.n_dofs)
-        return csr_matrix((data, self._jacobian_columns, self._jacobian_pointers), shape=shape)
+        values = np.concatenate([np.zeros(0), *(j.ravel() for j in jacobians)])
+        data = np.bincount(self._places, values, self._jacobian.nnz)
+        return csr_matrix((data, self._jacobian.indices, self._jacobian.indptr), shape=self._jacobian.shape)
+
+
+def product(jacobian: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+    """Return J' diag(weights) J (g, 3 p, 3 p) of groups' Jacobians (g, r, 3 p) and weights (g, r)."""
+    jacobian = np.ascontiguousarray(jacobian)
+    left = jacobian if weights is None else jacobian * weights[:, :, None]
+    if jacobian.shape[1] == 1:  # a product of vectors needs no BLAS
+        return left[:, 0, :, None] * jacobian[:, 0, None, :]
+    return np.swapaxes(left, 1, 2) @ jacobian

@@ -8,8 +8,10 @@ import numpy as np
 
 from kirisurf.problem import Problem
 from kirisurf.solvers.interior_point import InteriorPoint
+from kirisurf.solvers.ipopt import Ipopt
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
 from kirisurf.solvers.scipy_peers import ScipyPeer
+from kirisurf.solvers.uno import Uno
 
 
 @runtime_checkable
@@ -30,11 +32,15 @@ class Solver(Protocol):
 
 def default_steps(name: str) -> int:
     """Return the limit of steps that suits a solver: first-order starts and dense updates need more."""
-    return {"slsqp": 500, "trust-constr": 2000}.get(name, Limits.max_steps)
+    return {"slsqp": 500, "trust-constr": 2000, "ipopt": 500, "uno": 500}.get(name, Limits.max_steps)
 
 
 def make_solver(name: str, limits: Limits) -> Solver:
-    """Return the solver of a name: auto and newton are the project's own, the others SciPy's."""
+    """Return the solver of a name: auto and newton are the project's own, the others peers for comparison."""
     if name in ("slsqp", "trust-constr"):
         return ScipyPeer(name, limits)
+    if name == "ipopt":
+        return Ipopt(limits)
+    if name == "uno":
+        return Uno(limits)
     return InteriorPoint(limits)

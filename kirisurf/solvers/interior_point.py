@@ -144,8 +144,8 @@ class InteriorPoint:
 
         while True:
             if not frozen and refresh is not None:
-                at = Linearization.at(refresh(here.points), here.points)
-                frozen = here.moved < self.freeze_below
+                at = at.renewed(refresh(here.points))
+                frozen = here.moved < self.freeze_below or self._in_circles(history, here)
             if not at.is_finite:
                 return ended(Status.NOT_FINITE)
             step = self._record(at, here, time.perf_counter() - began)
@@ -156,7 +156,7 @@ class InteriorPoint:
             if worst <= max(least, self.limits.tolerance):
                 best, least = here.points, worst
             if frozen and self._is_done(step, here, worst):
-                renewed = None if refresh is None else Linearization.at(refresh(here.points), here.points)
+                renewed = None if refresh is None else at.renewed(refresh(here.points))
                 if renewed is None or self._is_honest(renewed, at):
                     return ended(Status.CONVERGED)
                 if refreezes >= self.max_refreezes:
@@ -180,10 +180,18 @@ class InteriorPoint:
             here = replace(advanced, moved=float(np.abs(advanced.points - here.points).max()))
             at = Linearization.at(at.problem, here.points)
 
+    def _in_circles(self, history: list[Step], here: Iterate) -> bool:
+        """Do steps near the constraints not get shorter? Between two sides of a crease renewed models may cycle."""
+        if not history:
+            return False
+        last = history[-1]
+        near = max(last.residuals.values(), default=0.0) <= self.gauss_newton_above**2
+        return near and here.moved > 0.7 * last.step_length
+
     def _record(self, at: Linearization, here: Iterate, seconds: float) -> Step:
         lagrangian = at.gradient + at.equality_transpose(here.y) - at.inequality_transpose(here.z)
         return Step(
-            residuals=at.problem.violations(here.points),
+            residuals=at.violations,
             objective=at.objective,
             optimality=float(np.abs(lagrangian).max()),
             step_length=here.moved if np.isfinite(here.moved) else 0.0,

@@ -7,7 +7,7 @@ import numpy as np
 from kirisurf.solvers.assembly import Assembly
 from kirisurf.solvers.direction import KktFactor
 from kirisurf.solvers.filter import Filter
-from kirisurf.solvers.line_search import Trial, evaluate_trial
+from kirisurf.solvers.line_search import Trial, evaluate_trial, violation_of
 from kirisurf.solvers.linearization import Linearization
 from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.status import Status
@@ -30,7 +30,7 @@ def restore(
     Trial or Status
         A new point, or INFEASIBLE where the violation cannot be reduced, or STALLED after the last step.
     """
-    begin = float(np.abs(at.equality).sum() + np.abs(at.inequality - slacks).sum())
+    begin = violation_of(at.equality, at.inequality - slacks)
     filter_.add(begin, at.objective - barrier * float(np.log(slacks).sum()))
     least = np.minimum(slacks, 1e-4)
     size = begin

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from kirisurf.block import Block
 from kirisurf.errors import ParameterError
 from kirisurf.problem import Problem
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
-from kirisurf.states import Step
+from kirisurf.solvers.rounds import Recorder, solve_in_rounds
 from kirisurf.status import Status
 
 MAX_VARIABLES = {"slsqp": 700, "trust-constr": 3000}
@@ -46,7 +45,7 @@ class ScipyPeer:
         progress: Progress | None = None,
         should_stop: ShouldStop | None = None,
     ) -> Outcome:
-        """Solve with the model of the target frozen at the start, then once more with it renewed.
+        """Solve with the model of the target frozen, then again with it renewed, until the two agree.
 
         Raises
         ------
@@ -58,61 +57,31 @@ class ScipyPeer:
                 f"--solver {self.method}: expected at most {MAX_VARIABLES[self.method]} unknowns, got {start.size}; "
                 "use --solver auto, or fewer tiles"
             )
-        began = time.perf_counter()
-        history: list[Step] = []
-        points, status = start, Status.STEP_LIMIT
-        rounds = 1 if refresh is None else 3
-        for _ in range(rounds):
-            points, status = self._once(problem, points, history, began, progress, should_stop)
-            if status is not Status.CONVERGED or refresh is None:
-                break
-            problem = refresh(points)
-        worst = max(problem.violations(points).values(), default=0.0)
-        if status is Status.CONVERGED and worst > max(self.limits.tolerance, 1e-9):
-            status = Status.STALLED
-        return Outcome(points, status, tuple(history))
+        return solve_in_rounds(self, self.limits, problem, start, refresh, progress, should_stop)
 
-    def _once(
-        self,
-        problem: Problem,
-        start: np.ndarray,
-        history: list[Step],
-        began: float,
-        progress: Progress | None,
-        should_stop: ShouldStop | None,
+    def minimize(
+        self, problem: Problem, x: np.ndarray, limits: Limits, recorder: Recorder
     ) -> tuple[np.ndarray, Status]:
-        last = start.ravel()
+        """Solve once, with the model of the target as it is."""
+        last = x.copy()
 
-        def record(x: np.ndarray, *_: object) -> None:
-            nonlocal last
-            points = x.reshape(-1, 3)
-            moved = float(np.abs(x - last).max())
-            last = x.copy()
-            step = Step(
-                problem.violations(points), problem.objective(points), float("nan"), moved, time.perf_counter() - began
-            )
-            history.append(step)
-            if progress is not None:
-                progress(step)
-            if (should_stop is not None and should_stop()) or step.seconds > self.limits.max_seconds:
+        def report(v: np.ndarray, *_: object) -> None:
+            # SciPy lends the same memory for every point
+            np.copyto(last, v)
+            if not recorder.record(v):
                 raise _Stopped
 
-        record(start.ravel())
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                result = self._minimize(problem, start.ravel(), record)
+                result = self._minimize(problem, x, limits.max_steps, report)
         except _Stopped:
-            over = time.perf_counter() - began > self.limits.max_seconds
-            return last.reshape(-1, 3), Status.TIME_LIMIT if over else Status.INTERRUPTED
-        points = result.x.reshape(-1, 3)
-        if not np.isfinite(points).all():
-            return start, Status.NOT_FINITE
+            return last, Status.INTERRUPTED
         if result.status in _CONVERGED[self.method]:
-            return points, Status.CONVERGED
-        return points, Status.STEP_LIMIT if result.status == _STEP_LIMIT[self.method] else Status.STALLED
+            return result.x, Status.CONVERGED
+        return result.x, Status.STEP_LIMIT if result.status == _STEP_LIMIT[self.method] else Status.STALLED
 
-    def _minimize(self, problem: Problem, x: np.ndarray, record: Callable[..., None]) -> OptimizeResult:
+    def _minimize(self, problem: Problem, x: np.ndarray, max_steps: int, record: Callable[..., None]) -> OptimizeResult:
         def objective(v: np.ndarray) -> float:
             return problem.objective(v.reshape(-1, 3))
 
@@ -143,7 +112,7 @@ class ScipyPeer:
                 method="SLSQP",
                 constraints=constraints,
                 callback=record,
-                options={"ftol": 1e-14, "maxiter": self.limits.max_steps},
+                options={"ftol": 1e-14, "maxiter": max_steps},
             )
         return minimize(
             objective,
@@ -156,7 +125,7 @@ class ScipyPeer:
                 NonlinearConstraint(rows, 0.0, 0.0, jac=slopes),
                 NonlinearConstraint(open_rows, 0.0, np.inf, jac=open_slopes),
             ],
-            options={"gtol": 1e-8, "xtol": 1e-12, "maxiter": self.limits.max_steps},
+            options={"gtol": 1e-8, "xtol": 1e-12, "maxiter": max_steps},
         )
 
 

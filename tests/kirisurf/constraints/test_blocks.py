@@ -6,19 +6,21 @@ import numpy as np
 import pytest
 
 from kirisurf.constraints.angle import FullTurns
+from kirisurf.constraints.convexity import ConvexTiles
 from kirisurf.constraints.edge import LongEdges
 from kirisurf.constraints.length import EqualLengths
 from kirisurf.constraints.opening import OpenHinges
 from kirisurf.constraints.planarity import FlatTiles
 from kirisurf.constraints.surface import OnSurface
-from kirisurf.corner_angle import corner_angles
+from kirisurf.corner_angle import CornerAngles
 from kirisurf.pattern import quad_pattern
 from kirisurf.projection import Projection
+from kirisurf.sizes import are_convex
 from tests.kirisurf.block_laws import bumpy_sheet, check_block
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("kind", ["length", "angle", "planarity", "opening", "edge"])
+@pytest.mark.parametrize("kind", ["length", "angle", "planarity", "opening", "edge", "convexity"])
 def test_laws(kind: str, seed: int) -> None:
     tessellation, points = bumpy_sheet(seed)
     block = {
@@ -27,6 +29,7 @@ def test_laws(kind: str, seed: int) -> None:
         "planarity": lambda: FlatTiles(tessellation, 4),
         "opening": lambda: OpenHinges(tessellation, 0.05, points),
         "edge": lambda: LongEdges(tessellation, 0.1),
+        "convexity": lambda: ConvexTiles(tessellation, 4, points),
     }[kind]()
     check_block(block, points)
 
@@ -72,6 +75,21 @@ def test_the_regular_pattern_meets_every_rigid_row(rotation: float) -> None:
     np.testing.assert_allclose(rows, np.sin(2 * rotation), atol=1e-12)
 
 
+@pytest.mark.parametrize("corner", range(4))
+def test_a_tile_that_turns_inside_out_is_negative(corner: int) -> None:
+    """A corner beyond the diagonal: the unsigned angles and the planarity need not notice, these rows do."""
+    tessellation = quad_pattern(2, 2, 0.4)
+    points = np.column_stack([2 * tessellation.deployed, np.zeros(tessellation.n_vertices)])
+    block = ConvexTiles(tessellation, 4, points, margin=0.0)
+    np.testing.assert_allclose(block.residual(points), 1.0, atol=1e-12)
+    assert are_convex(tessellation, points)
+    tile = tessellation.tiles[5]
+    moved = points.copy()
+    moved[tile[corner]] = points[tile[corner]] + 1.3 * (points[tile].mean(axis=0) - points[tile[corner]])
+    assert block.residual(moved)[5].min() < 0
+    assert not are_convex(tessellation, moved)
+
+
 def test_an_overlapping_hinge_is_negative() -> None:
     tessellation = quad_pattern(2, 2, 0.2)
     points = np.column_stack([2 * tessellation.deployed, np.zeros(tessellation.n_vertices)])
@@ -85,7 +103,38 @@ def test_an_overlapping_hinge_is_negative() -> None:
 
 def test_corner_angles_of_known_triangles() -> None:
     corners = np.array([[[0, 1, 0], [0, 0, 0], [1, 0, 0]], [[1, 1, 0], [0, 0, 0], [1, 0, 0]]], float)
-    np.testing.assert_allclose(corner_angles(corners), [np.pi / 2, np.pi / 4], atol=1e-15)
+    angles = CornerAngles(np.moveaxis(corners, 0, -1)).angles
+    np.testing.assert_allclose(angles, [np.pi / 2, np.pi / 4], atol=1e-15)
+
+
+def test_an_array_changed_in_place_is_another_point() -> None:
+    tessellation, points = bumpy_sheet()
+    for block in (FullTurns(tessellation, 4), FlatTiles(tessellation, 4), OpenHinges(tessellation, 0.05, points)):
+        place = points.copy()
+        before = block.residual(place)
+        place[:, 2] *= 1.5
+        after = block.residual(place)
+        assert np.abs(after - before).max() > 1e-3
+        np.testing.assert_array_equal(after, block.residual(place.copy()))
+        place[:, 2] /= 1.5
+        np.testing.assert_allclose(block.residual(place), before, atol=1e-14)
+
+
+def test_the_second_opening_row_is_the_first_with_the_tiles_exchanged() -> None:
+    tessellation, points = bumpy_sheet(2)
+    block = OpenHinges(tessellation, 0.05, points)
+    a, b, c, _, e = points[block.stencil.T]
+    u, v, w = c - a, b - a, e - a
+    lengths = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1) ** 2 * np.linalg.norm(w, axis=1)
+    expected = np.einsum("ki,ki->k", np.cross(u, v), np.cross(v, w)) / lengths - 0.05
+    np.testing.assert_allclose(block.residual(points)[:, 1], expected, atol=1e-14)
+
+
+def test_stencils_of_rings_and_slit_edges_name_a_vertex_once() -> None:
+    tessellation, _ = bumpy_sheet()
+    for block in (FullTurns(tessellation, 4), EqualLengths(tessellation)):
+        ordered = np.sort(block.stencil, axis=1)
+        assert (np.diff(ordered, axis=1) > 0).all()
 
 
 def test_planarity_is_the_volume() -> None:
