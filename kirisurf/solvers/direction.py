@@ -18,9 +18,12 @@ from kirisurf.solvers.linearization import Linearization
 from kirisurf.solvers.multifrontal import Cholesky, Symbolic
 
 REGULARIZATION = 1e-6
-"""The eps above: large enough that A keeps ten digits of H, small enough that refinement takes two or three rounds."""
+"""The eps above: large enough that A keeps ten digits of H, small enough that a step needs no refinement, or one."""
 
 MOST_REFINEMENTS = 8
+INEXACT = 1e-6
+"""What a step may leave of its right-hand side: steps are as many as with 1e-13, and mostly one solution is enough."""
+
 LARGEST_SHIFT = 1e10
 
 
@@ -86,19 +89,19 @@ class KktFactor:
                     raise FloatingPointError("the KKT matrix could not be factored") from None
         self._hessian: bsr_matrix = assembly.matrix(assembly.shifted(hessian, self.shift))
 
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """Solve for a right-hand side (3 n + m,), refined as long as the remainder halves."""
+    def solve(self, right: np.ndarray, remainder: float = 1e-13) -> np.ndarray:
+        """Solve for a right-hand side (3 n + m,), refined while the remainder is above its share and halves."""
         solution = self._once(right)
         scale, size = np.abs(right).max(initial=0.0), np.inf
         for _ in range(MOST_REFINEMENTS):
             x, y = solution[: self._n], solution[self._n :]
             product = np.concatenate([self._hessian @ x + self._jacobian.T @ y, self._jacobian @ x])
-            remainder = right - product
-            new = np.abs(remainder).max(initial=0.0)
-            if not new > 1e-13 * scale or new > 0.5 * size:
+            rest = right - product
+            new = np.abs(rest).max(initial=0.0)
+            if not new > remainder * scale or new > 0.5 * size:
                 break
             size = new
-            solution = solution + self._once(remainder)
+            solution = solution + self._once(rest)
         return solution
 
     def _once(self, right: np.ndarray) -> np.ndarray:
@@ -143,7 +146,7 @@ class NewtonSystem:
         exact: bool,
         last_shift: float,
     ) -> None:
-        self._at, self._n = at, assembly.n_dofs
+        self._at, self._n, self._y = at, assembly.n_dofs, y
         self._sigma = z / slacks
         self._pull = barrier / slacks
         hessian = at.hessian(assembly, y, z, self._sigma, exact=exact)
@@ -154,6 +157,8 @@ class NewtonSystem:
     def direction(self, equality: np.ndarray, slack_residual: np.ndarray) -> Direction:
         """Solve for residuals of the equalities (m,) and of the slacks (k,)."""
         pulled = self._at.inequality_transpose(self._pull - self._sigma * slack_residual)
-        solution = self._factor.solve(-np.concatenate([self._at.gradient - pulled, equality]))
+        # Solved for the change of the multipliers: what the regularization leaves of the equalities is as small.
+        gradient = self._at.gradient + self._at.equality_transpose(self._y) - pulled
+        solution = self._factor.solve(-np.concatenate([gradient, equality]), INEXACT)
         dx = solution[: self._n]
-        return Direction(dx, solution[self._n :], self._at.inequality_apply(dx) + slack_residual)
+        return Direction(dx, self._y + solution[self._n :], self._at.inequality_apply(dx) + slack_residual)

@@ -13,7 +13,7 @@ from kirisurf.objective.fairness import EqualNeighbors
 from kirisurf.objective.proximity import Proximity
 from kirisurf.problem import Problem, Term
 from kirisurf.solvers.assembly import Assembly
-from kirisurf.solvers.direction import REGULARIZATION, KktFactor
+from kirisurf.solvers.direction import INEXACT, REGULARIZATION, KktFactor, NewtonSystem
 from kirisurf.solvers.linearization import Linearization, stencils
 from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.solvers.scipy_peers import jacobian_of
@@ -111,3 +111,27 @@ def test_solutions_are_those_without_regularization() -> None:
     right = np.random.default_rng(5).standard_normal(len(matrix))
     expected = np.linalg.solve(matrix, right)
     np.testing.assert_allclose(factor.solve(right), expected, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("size", [0.0, 1.0, 1e3])
+def test_a_direction_solves_the_newton_system_whatever_the_multipliers(size: float) -> None:
+    problem, points = small_problem()
+    at, assembly, symbolic = parts(problem, points)
+    rng = np.random.default_rng(6)
+    y, slacks = size * rng.standard_normal(assembly.n_rows), 0.5 + rng.random(len(at.inequality))
+    z, barrier = 0.1 / slacks, 1e-2
+    system = NewtonSystem(at, assembly, symbolic, slacks, y, z, barrier, False, 0.0)
+    found = system.direction(at.equality, at.inequality - slacks)
+    weights = z / slacks
+    hessian = assembly.matrix(at.hessian(assembly, y, z, weights, exact=False))
+    jacobian = jacobian_of(problem.equalities, points)
+    pulled = at.inequality_transpose(barrier / slacks - weights * (at.inequality - slacks))
+    newton = np.concatenate([at.gradient + jacobian.T @ y - pulled, at.equality])
+    rest = np.concatenate(
+        [
+            hessian @ found.dx + system.shift * found.dx + jacobian.T @ found.y + at.gradient - pulled,
+            jacobian @ found.dx + at.equality,
+        ]
+    )
+    assert np.abs(rest).max() <= 2 * INEXACT * np.abs(newton).max()
+    np.testing.assert_allclose(found.ds, at.inequality_apply(found.dx) + at.inequality - slacks, atol=1e-12)
