@@ -26,6 +26,9 @@ from kirisurf.status import Status
 FEW = 500
 """Tiles that are solved directly: below, the outline is too ragged to say much about a finer one."""
 
+ROUGH = 1e-4, 1e-3
+"""Largest equality row and optimality of the coarser levels: they are starts, not sheets."""
+
 FINE_STEPS = 50
 """Most steps of a solve that starts from a coarser one; where they do not do, the plain start gets its turn."""
 
@@ -90,8 +93,7 @@ def solve_cascade(
     """
     before: tuple[Level, np.ndarray] | None = None
     steps = []
-    for make in [*coarser, lambda: finest]:
-        level = make()
+    for level in (*(_rough(make()) for make in coarser), finest):
         outcome, notes = _solve_level(level, before, progress, should_stop)
         if outcome.status in (Status.INTERRUPTED, Status.TIME_LIMIT) and level is not finest:
             # nothing of the finest sheet is there yet but its start
@@ -102,6 +104,12 @@ def solve_cascade(
     if coarser:
         notes = (f"Solve: from coarse to fine, {', '.join(steps)}.", *notes)
     return outcome, notes
+
+
+def _rough(level: Level) -> Level:
+    tolerance, optimality = ROUGH
+    limits = replace(level.continuation.limits, tolerance=tolerance, optimality=optimality)
+    return replace(level, continuation=replace(level.continuation, limits=limits))
 
 
 def _solve_level(

@@ -46,7 +46,10 @@ class Layout:
         """The laid pattern, in the target's units."""
         stretch = self.flattening.interpolate(self.log_stretch, tile_centers(self.tessellation, self.placement))
         least, most = np.radians(LEAST_OPENING), np.radians(MOST_OPENING)
-        return lay_quads(self.tessellation, self.placement, self.flattening, stretch, least, most)
+        points = lay_quads(self.tessellation, self.placement, self.flattening, stretch, least, most)
+        # tiles may be smaller than the triangles: the formula then says more than they do
+        smooth = self.flattening.surface.smooth
+        return points if smooth is None else smooth.project(points)[0]
 
     @cached_property
     def flat(self) -> Float[np.ndarray, "n 2"]:
