@@ -122,10 +122,10 @@ def _solve_level(
     coarse, displacements = before
     start = level.start + prolonged(coarse.layout, displacements, level.layout) / level.frame.length
     history: tuple[Step, ...] = ()
-    for convex in (False, True):
+    for guarded in (False, True):
         left = continuation.limits.max_seconds - (time.perf_counter() - began)
         limits = replace(continuation.limits, max_steps=FINE_STEPS, max_seconds=left)
-        at = level.formulate(start, Weights(), convex)
+        at = level.formulate(start, Weights(), guarded)
         outcome = continuation.make_solver(limits).solve(at(start), start, at, progress, should_stop)
         history += outcome.history
         outcome = replace(outcome, history=history)
@@ -134,7 +134,7 @@ def _solve_level(
         if outcome.status is not Status.CONVERGED:
             break
         if continuation.sound(outcome.points):
-            chosen = replace(continuation, convex=convex)
+            chosen = replace(continuation, guarded=guarded)
             return chosen.recentered(outcome, level.formulate, progress, should_stop)
     left = continuation.limits.max_seconds - (time.perf_counter() - began)
     plain = replace(continuation, limits=replace(continuation.limits, max_seconds=left))

@@ -31,6 +31,8 @@ STEPS_EACH = 60
 FAR = 0.04
 """Root mean square distance to the target (tile edges) above which a solution is recentered."""
 MOST_RECENTERINGS = 8
+ENOUGH = 1.03
+"""Sufficiency that ends recentering; the certificate takes openings about the normals, which may be a little less."""
 SOFT = Weights(fairness=1e-3, proximity=0.03)
 """Weights of a recentering: tiles may differ more from their neighbors."""
 PAYS = 0.93
@@ -38,7 +40,7 @@ PAYS = 0.93
 
 Formulate = Callable[[np.ndarray, Weights, bool], Callable[[np.ndarray], Problem]]
 """Gives the problem as a function of where the target is modeled, for a reference (n, 3), for weights, and with or
-without rows that keep the tiles convex."""
+without rows that keep the tiles convex and neighbors facing the same way."""
 
 
 @dataclass(frozen=True)
@@ -51,22 +53,23 @@ class Continuation:
         Limits to Solver.
     limits : Limits
         Of the direct solve; the time limit holds for everything.
-    suffices : callable
-        Does a solution (n, 3) have the edges and openings that were asked for, by its own sizes?
+    sufficiency : callable
+        The smallest edge and opening of a solution (n, 3), by its own sizes, over what was asked for, whichever
+        is less: 1 or more suffices.
     sound : callable
-        Are all tiles of a solution (n, 3) convex?
+        Are all tiles of a solution (n, 3) convex, and do neighbors face the same way?
     in_stages : bool
         Whether a failed direct solve is followed by stages.
-    convex : bool
-        Whether rows keep the tiles convex. They are added where a solution is not sound without.
+    guarded : bool
+        Whether rows keep them so. They are added where a solution is not sound without.
     """
 
     make_solver: Callable[[Limits], Solver]
     limits: Limits
-    suffices: Callable[[np.ndarray], bool]
+    sufficiency: Callable[[np.ndarray], float]
     sound: Callable[[np.ndarray], bool]
     in_stages: bool = True
-    convex: bool = False
+    guarded: bool = False
 
     def solve(
         self,
@@ -77,8 +80,8 @@ class Continuation:
     ) -> tuple[Outcome, tuple[str, ...]]:
         """Return the outcome and sentences on how it was reached, where that was not the direct way."""
         outcome, notes = self._solved(formulate, start, progress, should_stop)
-        if self.in_stages and not self.convex and self._is_unsound(outcome):
-            again, notes = replace(self, convex=True).solve(formulate, start, progress, should_stop)
+        if self.in_stages and not self.guarded and self._is_unsound(outcome):
+            again, notes = replace(self, guarded=True).solve(formulate, start, progress, should_stop)
             return replace(again, history=outcome.history + again.history), (_TURNED, *notes)
         if outcome.status is not Status.CONVERGED:
             return outcome, notes
@@ -93,20 +96,24 @@ class Continuation:
         should_stop: ShouldStop | None = None,
     ) -> tuple[Outcome, tuple[str, ...]]:
         """Hold a converged sheet near itself instead of near its start, as often as that improves it."""
-        count = 0
+        count, best, best_enough = 0, outcome, -np.inf
         while self.in_stages and count < MOST_RECENTERINGS:
-            at = formulate(outcome.points, SOFT, self.convex)
-            before = _distance(at(outcome.points), outcome.points)
-            short = not self.suffices(outcome.points)
-            if before <= FAR and not short:
+            at = formulate(outcome.points, SOFT, self.guarded)
+            before, enough = _distance(at(outcome.points), outcome.points), self.sufficiency(outcome.points)
+            # the last of those that suffice is the closest; of those that do not, the nearest to it counts
+            if min(enough, ENOUGH) >= min(best_enough, ENOUGH):
+                best, best_enough = outcome, enough
+            if before <= FAR and enough >= ENOUGH:
                 break
             solver = self.make_solver(replace(self.limits, max_steps=STEPS_EACH))
             found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
-            after = _distance(at(found.points), found.points)
-            better = after <= PAYS * before or (short and self.suffices(found.points))
+            after, more = _distance(at(found.points), found.points), self.sufficiency(found.points)
+            better = after <= PAYS * before or (enough < ENOUGH and more > enough)
             if found.status is not Status.CONVERGED or not better or not self.sound(found.points):
                 break
             outcome, count = replace(found, history=outcome.history + found.history), count + 1
+        if min(self.sufficiency(outcome.points), ENOUGH) < min(best_enough, ENOUGH):
+            outcome = replace(best, history=outcome.history)
         if not count:
             return outcome, ()
         times = f"{count} time{'s' * (count > 1)}"
@@ -119,7 +126,7 @@ class Continuation:
         self, formulate: Formulate, start: np.ndarray, progress: Progress | None, should_stop: ShouldStop | None
     ) -> tuple[Outcome, tuple[str, ...]]:
         began = time.perf_counter()
-        at = formulate(start, Weights(), self.convex)
+        at = formulate(start, Weights(), self.guarded)
         direct = self.make_solver(self.limits).solve(at(start), start, at, progress, should_stop)
         if direct.status in _FINAL or not self.in_stages:
             return direct, ()
@@ -145,7 +152,10 @@ class Continuation:
         return replace(outcome, history=history), (note,)
 
 
-_TURNED = "Solve: without rows that keep the tiles convex some turned inside out; it was solved again with them."
+_TURNED = (
+    "Solve: some tiles turned inside out or folded back on their neighbors; it was solved again with rows "
+    "that keep them from it."
+)
 
 _FINAL = (Status.CONVERGED, Status.INTERRUPTED, Status.TIME_LIMIT)
 

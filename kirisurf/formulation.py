@@ -12,6 +12,7 @@ from kirisurf.closest import ClosestPointMap
 from kirisurf.constraints.angle import FullTurns
 from kirisurf.constraints.convexity import ConvexTiles
 from kirisurf.constraints.edge import LongEdges
+from kirisurf.constraints.facing import FacingTiles
 from kirisurf.constraints.length import EqualLengths
 from kirisurf.constraints.opening import OpenHinges
 from kirisurf.constraints.planarity import FlatTiles
@@ -65,9 +66,9 @@ class Formulation:
         Sine of the smallest opening.
     smallest_edge : float
         Over the tile edge; 0 leaves the rows out.
-    convex : bool
-        Whether rows keep the tiles convex. Why not always: few targets need them, and where they are slack their
-        barrier still pushes, by up to a tenth of the distance to the target.
+    guarded : bool
+        Whether rows keep the tiles convex and neighbors facing the same way. Why not always: few targets need
+        them, and where they are slack their barrier still pushes, by up to a tenth of the distance to the target.
     """
 
     def __init__(
@@ -79,7 +80,7 @@ class Formulation:
         exact: bool = False,
         margin: float = 0.05,
         smallest_edge: float = 0.1,
-        convex: bool = False,
+        guarded: bool = False,
     ) -> None:
         self._target = target
         self._weights = weights
@@ -92,7 +93,8 @@ class Formulation:
         self._rigid += [FullTurns(tessellation, int(k)) for k in np.unique(tessellation.rings.sizes)]
         self._rigid += [FlatTiles(tessellation, int(k)) for k in sizes if k > 3]
         self._inequalities: list[Block] = [OpenHinges(tessellation, margin, start)]
-        if convex:
+        if guarded:
+            self._inequalities.append(FacingTiles(tessellation, start))
             self._inequalities += [ConvexTiles(tessellation, int(k), start) for k in sizes]
         if smallest_edge > 0:
             self._inequalities.append(LongEdges(tessellation, smallest_edge))

@@ -21,7 +21,7 @@ from kirisurf.layout import Layout
 from kirisurf.problem import Problem
 from kirisurf.quadric_blend import QuadricBlend
 from kirisurf.scaling import Frame, median_edge, unit_scale
-from kirisurf.sizes import are_convex, slit_openings, tile_edges
+from kirisurf.sizes import are_sound, slit_openings, tile_edges
 from kirisurf.solvers.choice import default_steps, make_solver
 from kirisurf.solvers.outcome import Limits
 from kirisurf.spec import FitSpec
@@ -159,7 +159,7 @@ def _formulated(
     """The frame of a start (n, 3), its problems, and the way they are solved."""
     frame, scaled = unit_scale(surface, tessellation, points)
 
-    def formulate(reference: np.ndarray, weights: Weights, convex: bool) -> Callable[[np.ndarray], Problem]:
+    def formulate(reference: np.ndarray, weights: Weights, guarded: bool) -> Callable[[np.ndarray], Problem]:
         return Formulation(
             tessellation,
             reference,
@@ -168,20 +168,19 @@ def _formulated(
             exact=spec.closeness == "exact",
             margin=MARGIN * float(np.sin(np.radians(spec.min_angle))),
             smallest_edge=MARGIN * spec.min_edge * median_edge(tessellation, reference),
-            convex=convex,
+            guarded=guarded,
         ).problem_at
 
-    def suffices(points: np.ndarray) -> bool:
+    def sufficiency(points: np.ndarray) -> float:
         edges = tile_edges(tessellation, points)
-        openings = slit_openings(tessellation, points)
-        return bool(
-            edges.min() >= spec.min_edge * np.median(edges)
-            and openings.min(initial=np.pi) >= np.radians(spec.min_angle)
-        )
+        least = slit_openings(tessellation, points).min(initial=np.pi)
+        opening = least / np.radians(spec.min_angle) if spec.min_angle > 0 else np.inf
+        edge = edges.min() / np.median(edges) / spec.min_edge if spec.min_edge > 0 else np.inf
+        return float(min(opening, edge))
 
-    sound = partial(are_convex, tessellation)
+    sound = partial(are_sound, tessellation)
     solver = partial(make_solver, spec.solver)
-    return frame, formulate, Continuation(solver, limits, suffices, sound, spec.max_steps is None)
+    return frame, formulate, Continuation(solver, limits, sufficiency, sound, spec.max_steps is None)
 
 
 def require_memory(spec: FitSpec) -> None:

@@ -30,3 +30,15 @@ def are_convex(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) -> 
         if (np.einsum("tki,tki->tk", turn, np.roll(turn, -1, axis=1)) <= 0).any():
             return False
     return True
+
+
+def are_facing(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) -> bool:
+    """Are all tiles that hinge on each other folded by less than a right angle?"""
+    ends = points[tessellation.hinges[tessellation.slit_ends]]
+    b, c, d, e = (ends[:, k] - ends[:, 1] for k in (0, 2, 3, 4))
+    return bool((np.einsum("ki,ki->k", np.cross(e, b), np.cross(c, d)) > 0).all())
+
+
+def are_sound(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) -> bool:
+    """Are all tiles convex, and do neighbors face the same way?"""
+    return are_convex(tessellation, points) and are_facing(tessellation, points)

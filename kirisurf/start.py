@@ -20,6 +20,13 @@ from kirisurf.tessellation import Tessellation
 LEAST_STRETCH, MOST_STRETCH = 1.05, 1.40
 """Range of the stretch that is planned for: a quad sheet can give 1 to sqrt 2."""
 
+MOST_SPREAD = 3.5
+"""Largest ratio of stretches over a target that tiles of different sizes were seen to follow: of 28 surfaces those
+up to 3.1 were solved, those from 4.7 on were not."""
+
+LEAST_OVERLAP = 0.75
+"""Part of the area, common to sheet and outline, below which the outline is said to be too narrow for the tiles."""
+
 
 @dataclass(frozen=True, eq=False)
 class Start:
@@ -110,6 +117,11 @@ def _trimmed(base: Flattening, spec: FitSpec, notes: list[str], warnings: list[s
             f"{asked} tiles were asked for, {placement.n_tiles} were laid: "
             "the outline leaves no sheet nearer to that number."
         )
+    if placement.overlap < LEAST_OVERLAP:
+        warnings.append(
+            f"The sheet covers {100 * placement.overlap:.0f} % of the outline: parts narrower than two tiles are left "
+            "out. More tiles (--tiles), which are smaller, would cover more."
+        )
     reason = "the one of 0, 22.5, 45 and 67.5 that covers the outline best" if angle is None else "as asked"
     notes.append(
         f"Placement: {placement.n_tiles} tiles on the {base.kind} map, trimmed to the outline, turned by "
@@ -145,10 +157,14 @@ def _stretch(
             reason = f"{spec.opening:g} was asked, starts lie between {LEAST_OPENING:g} and {MOST_OPENING:g}"
         notes.append(f"Opening: {opening:g} degrees at the start ({reason}).")
     if spread > np.sqrt(2):
+        hope = (
+            "No sheet of quad tiles is known to follow that: expect it to end without a certificate"
+            if spread > MOST_SPREAD
+            else "Expect small or strained tiles, or a distance to the target, where it curves most"
+        )
         warnings.append(
             f"The target asks for stretches that differ by a factor of {spread:.2f} over the sheet; quad tiles of one "
-            "size give at most 1.41. Expect small or strained tiles, or a distance to the target, where it curves "
-            "most; a smaller part of the target, or one cut open there, would ask for less."
+            f"size give at most 1.41. {hope}; a smaller part of the target, or one cut open there, would ask for less."
         )
     return stretch
 

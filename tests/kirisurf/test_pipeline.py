@@ -142,3 +142,40 @@ def test_closed_and_broken_targets_are_refused() -> None:
 def test_a_solver_too_small_for_the_problem_is_refused() -> None:
     with pytest.raises(ParameterError, match="slsqp"):
         fit_surface(mesh("hypar"), FitSpec(target="hypar", cells=(8, 8), solver="slsqp"))
+
+
+def shuffled(surface: Surface) -> Surface:
+    """The same triangles: vertices renumbered, faces in another order, each begun at another corner."""
+    rng = np.random.default_rng(5)
+    order = rng.permutation(len(surface.vertices))
+    faces = np.argsort(order)[surface.faces][rng.permutation(len(surface.faces))]
+    turns = (np.arange(3) + rng.integers(3, size=len(faces))[:, None]) % 3
+    return Surface.from_arrays(surface.vertices[order], np.take_along_axis(faces, turns, axis=1), surface.name)
+
+
+@pytest.mark.parametrize("name", ["dome", "terrain", "peaks", "mexicanhat"])
+def test_the_same_target_remeshed_or_in_another_order(name: str) -> None:
+    """Same status, and distances within 5 %, whatever the triangles and their order."""
+    surface = mesh(name, 40)
+    found = []
+    for same in (surface, shuffled(surface), mesh(name, 57)):
+        result = fit_surface(same, FitSpec(target=name, tiles=200))
+        assert result.fit.status is Status.CONVERGED
+        found.append(certify(result.fit.points, result.contracted.points, result.tessellation.tiles, surface))
+    rms = [certificate.rows["distance_rms"] for certificate in found]
+    np.testing.assert_allclose(rms, rms[0], rtol=0.05)
+
+
+def test_a_strip_that_is_too_narrow_for_the_tiles_is_said_before() -> None:
+    """A comb: a wide back, and teeth of the width of a tile."""
+    x, y = np.meshgrid(np.linspace(0, 8, 81), np.linspace(0, 6, 61), indexing="ij")
+    number = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    middle_x, middle_y = x[:-1, :-1] + 0.05, y[:-1, :-1] + 0.05
+    keep = (middle_y < 2) | (np.mod(middle_x, 1.0) < 0.5)
+    faces = np.concatenate([np.stack([a, b, c], -1)[keep], np.stack([a, c, d], -1)[keep]])
+    used, faces = np.unique(faces, return_inverse=True)
+    points = np.stack([x, y, 0.1 * np.sin(x)], -1).reshape(-1, 3)[used]
+    comb = Surface.from_arrays(points, faces.reshape(-1, 3), "comb")
+    result = fit_surface(comb, FitSpec(target="comb", tiles=60, max_steps=1))
+    assert any("narrower than two tiles" in warning for warning in result.warnings)

@@ -8,6 +8,7 @@ import pytest
 from kirisurf.constraints.angle import FullTurns
 from kirisurf.constraints.convexity import ConvexTiles
 from kirisurf.constraints.edge import LongEdges
+from kirisurf.constraints.facing import FacingTiles
 from kirisurf.constraints.length import EqualLengths
 from kirisurf.constraints.opening import OpenHinges
 from kirisurf.constraints.planarity import FlatTiles
@@ -20,7 +21,7 @@ from tests.kirisurf.block_laws import bumpy_sheet, check_block
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("kind", ["length", "angle", "planarity", "opening", "edge", "convexity"])
+@pytest.mark.parametrize("kind", ["length", "angle", "planarity", "opening", "edge", "convexity", "facing"])
 def test_laws(kind: str, seed: int) -> None:
     tessellation, points = bumpy_sheet(seed)
     block = {
@@ -30,6 +31,7 @@ def test_laws(kind: str, seed: int) -> None:
         "opening": lambda: OpenHinges(tessellation, 0.05, points),
         "edge": lambda: LongEdges(tessellation, 0.1),
         "convexity": lambda: ConvexTiles(tessellation, 4, points),
+        "facing": lambda: FacingTiles(tessellation, points),
     }[kind]()
     check_block(block, points)
 
