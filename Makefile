@@ -1,7 +1,7 @@
 # make demo    set everything up, run the main job on a bundled surface, end with the path of the report
 # make test    set everything up, run every check and every test
 # make lint    only the checks: style, layers, types
-# make bench   measure the speed of the main steps
+# make bench   measure the solver and its peers (installs the optional peers ipyopt and unopy)
 # make setup   only the set-up (.venv); PYTHON=... names another Python than python3
 # make clean   remove what the other targets made
 
@@ -30,7 +30,9 @@ lint: $(READY)
 	@$(PY) -m mypy
 
 bench: $(READY)
-	@$(PY) tests/benchmarks/run.py
+	@$(PY) -m pip install --quiet --disable-pip-version-check --only-binary :all: -c constraints.txt ipyopt unopy \
+		|| echo "make bench: the peers ipopt and uno could not be installed; going on without" >&2
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) tests/benchmarks/run.py
 
 setup: $(READY)
 
@@ -41,7 +43,7 @@ $(READY):
 constraints:
 	@rm -rf build/pins
 	@python3 -m venv build/pins
-	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test]' hatchling editables
+	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test,peers]' hatchling editables
 	@{ sed -n '/^#/p' constraints.txt; build/pins/bin/python -m pip freeze --exclude-editable; } > build/constraints.txt
 	@mv build/constraints.txt constraints.txt
 	@rm -rf build/pins

@@ -44,7 +44,7 @@ class Weights:
 
     closeness: float = 1.0
     rim: float = 0.3
-    reach: float = 0.03
+    reach: float = 0.06
     fairness: float = 1e-2
     proximity: float = 1e-2
 

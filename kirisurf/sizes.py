@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
+from kirisurf.crossing import tiles_cross
 from kirisurf.tessellation import Tessellation
 
 
@@ -40,5 +41,6 @@ def are_facing(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) -> 
 
 
 def are_sound(tessellation: Tessellation, points: Float[np.ndarray, "n 3"]) -> bool:
-    """Are all tiles convex, and do neighbors face the same way?"""
-    return are_convex(tessellation, points) and are_facing(tessellation, points)
+    """Are all tiles convex, do neighbors face the same way, and does none cross another?"""
+    whole = are_convex(tessellation, points) and are_facing(tessellation, points)
+    return whole and not tiles_cross(tessellation, points)

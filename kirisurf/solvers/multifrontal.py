@@ -149,6 +149,8 @@ class Cholesky:
 def _add(targets: list[np.ndarray], sources: list[np.ndarray], additions: list[Addition]) -> None:
     # numpy adds fastest where the last axis is contiguous
     targets, sources = [tile.T for tile in targets], [tile.T for tile in sources]
-    for t, c0, c1, r0, r1, u, d0, d1, s0, s1 in additions:
-        view = targets[t][c0:c1, r0:r1]
-        np.add(view, sources[u][d0:d1, s0:s1], view)
+    # what overflows shows on the diagonal in the end
+    with np.errstate(over="ignore", invalid="ignore"):
+        for t, c0, c1, r0, r1, u, d0, d1, s0, s1 in additions:
+            view = targets[t][c0:c1, r0:r1]
+            np.add(view, sources[u][d0:d1, s0:s1], view)
