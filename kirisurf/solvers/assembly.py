@@ -12,9 +12,9 @@ from kirisurf.solvers.vertex_pairs import BlockSum, Stencil, VertexPairs
 
 
 class Assembly:
-    """Hessians H and products J'J (both by 3x3 blocks on one pattern), and the Jacobian J of the equalities.
+    """Hessians H and products J'J, and the Jacobian J of the equalities.
 
-    It lends its workspace to the sums, one at a time: not for threads that assemble at once.
+    H and J'J are symmetric: of both the 3x3 blocks of the upper half are kept, on one pattern.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Assembly:
         own = [b.stencil for b in equalities]
         self.pattern = VertexPairs(n_vertices, [*stencils, *own])
         self._hessian, self._normal = BlockSum(self.pattern, stencils), BlockSum(self.pattern, own)
-        self._diagonal = np.flatnonzero(self.pattern.rows == self.pattern.columns)
+        self._diagonal = self.pattern.pointers[:-1]  # a row begins with it
         rows, columns = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
         for block, start in zip(equalities, np.cumsum([0, *sizes]), strict=False):
             shape = len(block.stencil), block.n_rows, 3 * block.stencil.shape[1]
@@ -58,12 +58,26 @@ class Assembly:
         if shift == 0:
             return blocks
         result = blocks.copy()
-        result[self._diagonal] += shift * np.eye(3)
+        self.shift(result, shift)
         return result
 
+    def shift(self, blocks: np.ndarray, amount: float) -> None:
+        """Add a multiple of the identity to the matrix, in place."""
+        blocks[self._diagonal] += amount * np.eye(3)
+
+    def apply(self, blocks: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return the product of a symmetric matrix with x (3 n,)."""
+        shape = self.n_dofs, self.n_dofs
+        upper = bsr_matrix((blocks, self.pattern.columns, self.pattern.pointers), shape=shape)
+        diagonal = np.matmul(blocks[self._diagonal], x.reshape(-1, 3, 1)).ravel()
+        return upper @ x + upper.T @ x - diagonal
+
     def matrix(self, blocks: np.ndarray) -> bsr_matrix:
-        """Return blocks as a sparse matrix (3 n, 3 n)."""
-        return bsr_matrix((blocks, self.pattern.columns, self.pattern.pointers), shape=(self.n_dofs, self.n_dofs))
+        """Return both halves as a sparse matrix (3 n, 3 n), the blocks of each row in order."""
+        both = self.pattern.both
+        whole, turned = blocks[both.data // 2], both.data % 2 == 1
+        whole[turned] = np.swapaxes(whole[turned], 1, 2)
+        return bsr_matrix((whole, both.indices, both.indptr), shape=(self.n_dofs, self.n_dofs))
 
     def jacobian(self, jacobians: Sequence[np.ndarray]) -> csr_matrix:
         """Return J (rows, 3 n)."""

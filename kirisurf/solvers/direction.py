@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import bsr_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from kirisurf.solvers.assembly import Assembly
 from kirisurf.solvers.linearization import Linearization
@@ -49,8 +49,10 @@ class KktFactor:
     assembly : Assembly
     symbolic : Symbolic
         Of the assembly's pattern.
-    hessian, normal : (pairs, 3, 3)
-        Blocks of H and of J'J.
+    hessian : (pairs, 3, 3)
+        Blocks of H.
+    normal : (pairs, 3, 3)
+        Blocks of J'J. Their memory is used for A: they are lost.
     jacobian : (m, 3 n) sparse
     last : float
         Shift that the last step needed.
@@ -77,17 +79,20 @@ class KktFactor:
         last: float = 0.0,
     ) -> None:
         self._n, self._jacobian = assembly.n_dofs, jacobian
-        matrix = hessian + normal / REGULARIZATION
+        self._assembly, self._hessian = assembly, hessian
+        matrix = normal
+        matrix /= REGULARIZATION
+        matrix += hessian
         self.shift, growth = 0.0, 4.0 if last > 0 else 8.0
         while True:
             try:
-                self._cholesky = Cholesky(symbolic, assembly.shifted(matrix, self.shift))
+                self._cholesky = Cholesky(symbolic, matrix)
                 break
             except np.linalg.LinAlgError:
-                self.shift = growth * self.shift if self.shift > 0 else max(1e-4, last / 3)
+                before, self.shift = self.shift, growth * self.shift if self.shift > 0 else max(1e-4, last / 3)
                 if self.shift > LARGEST_SHIFT:
                     raise FloatingPointError("the KKT matrix could not be factored") from None
-        self._hessian: bsr_matrix = assembly.matrix(assembly.shifted(hessian, self.shift))
+                assembly.shift(matrix, self.shift - before)
 
     def solve(self, right: np.ndarray, remainder: float = 1e-13) -> np.ndarray:
         """Solve for a right-hand side (3 n + m,), refined while the remainder is above its share and halves."""
@@ -95,7 +100,8 @@ class KktFactor:
         scale, size = np.abs(right).max(initial=0.0), np.inf
         for _ in range(MOST_REFINEMENTS):
             x, y = solution[: self._n], solution[self._n :]
-            product = np.concatenate([self._hessian @ x + self._jacobian.T @ y, self._jacobian @ x])
+            top = self._assembly.apply(self._hessian, x) + self.shift * x + self._jacobian.T @ y
+            product = np.concatenate([top, self._jacobian @ x])
             rest = right - product
             new = np.abs(rest).max(initial=0.0)
             if not new > remainder * scale or new > 0.5 * size:

@@ -29,7 +29,7 @@ class Symbolic:
     n : int
         Number of vertices; the matrix is (3n, 3n), and vertex v has the unknowns 3v, 3v + 1, 3v + 2.
     rows, columns : (nb,) int
-        Vertex pair of every block, each pair once, both halves of the symmetric pattern.
+        Vertex pair of every block, each pair once, in whichever order.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Symbolic:
 
     def __init__(self, n: int, rows: np.ndarray, columns: np.ndarray) -> None:
         rows, columns = np.asarray(rows, dtype=np.int64), np.asarray(columns, dtype=np.int64)
-        fronts = find_fronts(n, rows, columns)
+        fronts = find_fronts(n, np.concatenate([rows, columns]), np.concatenate([columns, rows]))
         self.order = (_WIDTH * fronts.order[:, None] + np.arange(_WIDTH)).ravel()
         self.starts = (_WIDTH * fronts.starts).tolist()
         self.rows = [(_WIDTH * r[:, None] + np.arange(_WIDTH)).ravel() for r in fronts.rows]
@@ -94,10 +94,11 @@ class Symbolic:
         n, starts = len(fronts.order), fronts.starts
         position = np.argsort(fronts.order)
         row, column = position[rows], position[columns]
+        turned = row < column
+        row, column = np.maximum(row, column), np.minimum(row, column)
         front = np.searchsorted(starts, column, side="right") - 1
-        chosen = np.flatnonzero(row >= column)
-        chosen = chosen[np.argsort(front[chosen], kind="stable")]
-        row, column, front = (a[chosen] for a in (row, column, front))
+        chosen = np.argsort(2 * front + turned, kind="stable")
+        row, column, front, turned = (a[chosen] for a in (row, column, front, turned))
         # One sorted key over all fronts finds the place of a row in the list of its front.
         lengths = np.array([len(r) for r in fronts.rows], dtype=np.int64)
         owner = np.repeat(np.arange(self.n_fronts), lengths)
@@ -107,9 +108,11 @@ class Symbolic:
         local = row - starts[front]
         local = np.where(local < n_pivots[front], local, n_pivots[front] + place)
         height = _WIDTH * (n_pivots + lengths)[front]
-        self._corners = _WIDTH * ((column - starts[front]) * height + local)
-        self._chosen = chosen
-        self._entries: list[int] = np.searchsorted(front, np.arange(self.n_fronts + 1)).tolist()
+        # int32: a panel of so many numbers would take 16 GB
+        self._corners = (_WIDTH * ((column - starts[front]) * height + local)).astype(np.int32)
+        self._chosen = chosen.astype(np.int32)
+        # of each front the blocks as they are, then those to be transposed
+        self._entries: list[int] = np.searchsorted(2 * front + turned, np.arange(2 * self.n_fronts + 1)).tolist()
 
     def _share(self, parents: np.ndarray, flops: np.ndarray) -> None:
         """Choose the subtrees that are eliminated side by side, the largest first, and the fronts above them."""
@@ -180,11 +183,12 @@ class Symbolic:
         """Write the entries of the matrix that belong to front i, and zeros elsewhere."""
         flat = panel.T.reshape(-1)
         flat.fill(0.0)
-        begin, end = self._entries[i : i + 2]
-        # (row, column) of a block at [..., row, column], as the data of the blocks has it
         step = np.arange(_WIDTH)
-        targets = self._corners[begin:end, None, None] + (step[:, None] + step * len(panel))
-        flat[targets] = blocks[self._chosen[begin:end]]
+        # (row, column) of a block at [..., row, column], as the data of the blocks has it
+        offsets = step[:, None] + step * len(panel)
+        for j, places in ((2 * i, offsets), (2 * i + 1, offsets.T)):
+            begin, end = self._entries[j : j + 2]
+            flat[self._corners[begin:end, None, None] + places] = blocks[self._chosen[begin:end]]
 
 
 def _n_stored(marks: list[int]) -> int:

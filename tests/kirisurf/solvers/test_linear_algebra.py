@@ -59,6 +59,18 @@ def test_linearization_agrees_with_the_sparse_jacobian() -> None:
     np.testing.assert_allclose(at.inequality_apply(direction), inequality @ direction, atol=1e-12)
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.3])
+def test_a_product_with_the_upper_half_is_that_with_the_matrix(shift: float) -> None:
+    problem, points = small_problem()
+    at, assembly, _ = parts(problem, points)
+    rng = np.random.default_rng(4)
+    blocks = assembly.normal([rng.standard_normal(j.shape) for j in at.equality_jacobians])
+    shifted, x = assembly.shifted(blocks, shift), rng.standard_normal(assembly.n_dofs)
+    expected = assembly.matrix(blocks).toarray() @ x + shift * x
+    np.testing.assert_allclose(assembly.apply(shifted, x), expected, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(assembly.matrix(shifted) @ x, expected, atol=1e-12 * np.abs(expected).max())
+
+
 def test_assembled_hessian_is_that_of_the_lagrangian() -> None:
     problem, points = small_problem()
     rng = np.random.default_rng(3)
@@ -90,11 +102,11 @@ def test_a_factor_exists_exactly_where_the_inertia_is_that_of_a_minimum(scale: f
     blocks = at.hessian(assembly, y, z, z, exact=True)
     normal, jacobian = assembly.normal(at.equality_jacobians), assembly.jacobian(at.equality_jacobians)
     dense, m = jacobian.toarray(), assembly.n_rows
-    for shift in (0.0, KktFactor(assembly, symbolic, blocks, normal, jacobian).shift):
+    for shift in (0.0, KktFactor(assembly, symbolic, blocks, normal.copy(), jacobian).shift):
         hessian = assembly.matrix(assembly.shifted(blocks, shift)).toarray()
         matrix = np.block([[hessian, dense.T], [dense, -REGULARIZATION * np.eye(m)]])
         negative = int((np.linalg.eigvalsh(matrix) < 0).sum())
-        found = KktFactor(assembly, symbolic, assembly.shifted(blocks, shift), normal, jacobian).shift
+        found = KktFactor(assembly, symbolic, assembly.shifted(blocks, shift), normal.copy(), jacobian).shift
         assert (found == 0) == (negative == m)
 
 

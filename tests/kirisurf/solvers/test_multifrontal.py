@@ -22,8 +22,9 @@ def matrix_on(n, pairs, seed=0):
     for v in range(n):
         tilt = 0.3 * rng.standard_normal((3, 3))
         dense[v, :, v] = np.diag(weight[v] + 1.0) + tilt @ tilt.T
-    rows = np.concatenate([np.arange(n), pairs[:, 0], pairs[:, 1]])
-    columns = np.concatenate([np.arange(n), pairs[:, 1], pairs[:, 0]])
+    pairs = rng.permuted(pairs, axis=1)
+    rows = np.concatenate([np.arange(n), pairs[:, 0]])
+    columns = np.concatenate([np.arange(n), pairs[:, 1]])
     shuffle = rng.permutation(len(rows))
     rows, columns = rows[shuffle], columns[shuffle]
     return rows, columns, dense[rows, :, columns], dense.reshape(3 * n, 3 * n)
