@@ -179,3 +179,12 @@ def test_a_strip_that_is_too_narrow_for_the_tiles_is_said_before() -> None:
     comb = Surface.from_arrays(points, faces.reshape(-1, 3), "comb")
     result = fit_surface(comb, FitSpec(target="comb", tiles=60, max_steps=1))
     assert any("narrower than two tiles" in warning for warning in result.warnings)
+
+
+def test_exact_says_why_it_does_not_succeed() -> None:
+    """Every vertex of 8x8 tiles on a Mexican hat asks for more than rigid tiles can."""
+    result = fit_surface(
+        sample_surfaces.load("mexicanhat"), FitSpec(target="mexicanhat", cells=(4, 4), closeness="exact", max_steps=60)
+    )
+    assert result.fit.status is not Status.CONVERGED
+    assert any("--closeness best" in warning for warning in result.warnings)
