@@ -24,9 +24,11 @@ if TYPE_CHECKING:
     from kirisurf.errors import UnreadableError as UnreadableError
     from kirisurf.errors import UnusableError as UnusableError
     from kirisurf.exporting import export as export
+    from kirisurf.fabrication import Fabrication as Fabrication
     from kirisurf.judging import audit as audit
     from kirisurf.runs import Run as Run
     from kirisurf.runs import read_run as read_run
+    from kirisurf.sheet import Sheet as Sheet
     from kirisurf.spec import FitSpec as FitSpec
     from kirisurf.status import Status as Status
     from kirisurf.surface import Surface as Surface
@@ -44,8 +46,10 @@ _HOMES = {
     "UnreadableError": "kirisurf.errors",
     "UnusableError": "kirisurf.errors",
     "export": "kirisurf.exporting",
+    "Fabrication": "kirisurf.fabrication",
     "Run": "kirisurf.runs",
     "read_run": "kirisurf.runs",
+    "Sheet": "kirisurf.sheet",
     "FitSpec": "kirisurf.spec",
     "Status": "kirisurf.status",
     "Surface": "kirisurf.surface",

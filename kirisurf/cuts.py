@@ -6,19 +6,22 @@ of the hinge width remains between its tip and the slit (or the rim) across it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from kirisurf.arrays import checked, frozen
+from kirisurf.contours import contours, welded_points
 from kirisurf.errors import ParameterError
+from kirisurf.kerf import Ray, clearance, compensated_contours
+from kirisurf.slits import SlitPath, slit_paths
 from kirisurf.tessellation import Tessellation
 
 _AUTOMATIC_WIDTH = 0.04  # of the median tile edge: holds paper and thin sheet, and leaves the tiles rigid
 _LONGEST_TIP = 0.5  # a hinge may take at most this part of the slit's last edge
+_LONGEST_OF_TWO = 0.4  # where both ends of one edge are hinges: a fifth of the edge is always cut
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,35 +32,82 @@ class Cuts:
     ----------
     slits : tuple of (k, 2) arrays
         One open polyline for every slit, shortened at its hinges, in the units of the points.
+    whole : tuple of (k, 2) arrays
+        The same before shortening, from hinge to hinge.
     hinges : (m, 2)
         Middle of the ligament at every hinge end of a slit.
     outline : (o, 2)
         Outer contour, counter-clockwise, not closed by a repeated point.
+    openings : tuple of (k, 2) arrays
+        All other contours: clockwise for a designed opening.
     hinge_width : float
-        Length by which every hinge end of a slit is shortened, in the units of the points.
+        Length of the ligament that remains at a hinge, along the slit, in the units of the points.
+    kerf : float
+        Width of the cut that the lines are compensated for (:mod:`kirisurf.kerf`).
+    narrowed : int
+        Number of hinges that are narrower, because theirs would have swallowed most of the slit.
+    narrowest : float
+        Width of the narrowest hinge.
+    bare : int
+        Number of hinges that no slit runs into: their tiles touch in a point, with nothing to hold them.
     """
 
     slits: tuple[np.ndarray, ...]
     hinges: Float[np.ndarray, "m 2"]
     outline: Float[np.ndarray, "o 2"]
     hinge_width: float
+    whole: tuple[np.ndarray, ...] = ()
+    openings: tuple[np.ndarray, ...] = ()
+    kerf: float = 0.0
+    narrowed: int = 0
+    narrowest: float = np.inf
+    bare: int = 0
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what is not as it was asked for."""
+        said = []
+        if self.narrowed:
+            said.append(
+                f"--hinge-width: {self.narrowed} of {len(self.hinges)} hinges are narrower than "
+                f"{self.hinge_width:.6g} (down to {self.narrowest:.6g}): hinges of that width would swallow most of "
+                "their slits."
+            )
+        if self.bare:
+            said.append(
+                f"{self.bare} hinges lie between openings: their tiles touch in a point only, and fall apart when cut."
+            )
+        return tuple(said)
+
+    @property
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest coordinates (2,) of what is cut, half a kerf round the outline included."""
+        return self.outline.min(axis=0) - 0.5 * self.kerf, self.outline.max(axis=0) + 0.5 * self.kerf
 
 
-def cuts(tessellation: Tessellation, contracted: np.ndarray, hinge_width: float | None = None) -> Cuts:
+def cuts(
+    tessellation: Tessellation, contracted: np.ndarray, hinge_width: float | None = None, kerf: float = 0.0
+) -> Cuts:
     """Return the cut lines of a contracted sheet.
 
     Parameters
     ----------
     tessellation : Tessellation
+        Tiles of any number of corners.
     contracted : (n, 2)
         Contracted points; the copies of a welded vertex are averaged.
     hinge_width : float, optional
         In the units of the points; by default 4 % of the median tile edge, less where slits are short.
+        A hinge that would take more than half of the last edge of its slit is made narrower, and counted.
+    kerf : float
+        Width of the cut: slits end earlier and the outline runs outside, so that hinges and part keep
+        their size.
 
     Raises
     ------
     ParameterError
-        Where the hinges would be longer than half of the last edge of a slit.
+        Where the hinges would be longer than half of the median last edge of a slit, or the kerf is as wide
+        as a hinge.
 
     Examples
     --------
@@ -66,114 +116,99 @@ def cuts(tessellation: Tessellation, contracted: np.ndarray, hinge_width: float 
     >>> len(cuts(pattern, pattern.contracted).slits)
     15
     """
-    points = _welded_points(tessellation, checked(contracted, "contracted points", (tessellation.n_vertices, 2)))
-    edges = tessellation.weld[tessellation.edge_pairs[:, 0]]
-    ends, groups = _slit_ends(tessellation), _slit_groups(tessellation)
-    tips = np.array([edge for edge, _ in ends], np.int64)
-    lengths = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-    width = _checked_width(hinge_width, tessellation, points, lengths[tips])
+    points = welded_points(tessellation, checked(contracted, "contracted points", (tessellation.n_vertices, 2)))
+    paths = slit_paths(tessellation)
+    outline, openings = contours(tessellation, points)
+    ends = [end for path in paths for end in _hinge_ends(path)]
+    lengths = np.array([np.linalg.norm(points[inner] - points[vertex]) for vertex, inner, _ in ends])
+    width = _checked_width(hinge_width, tessellation, points, lengths)
+    if kerf and not (np.isfinite(kerf) and 0 <= kerf < width):
+        raise ParameterError(
+            f"--kerf: expected a number from 0 to less than the hinge width {width:.6g}, got {kerf:.6g}"
+        )
+    rays = _rays(paths, points, (outline, *openings)) if kerf else {}
 
-    at_end = {(edge, vertex) for edge, vertex in ends}
-    slits, hinges = [], []
-    for group in groups:
-        for path, used in _paths(edges, group):
-            line = points[path].copy()
-            for edge, vertex, tip, inner in ((used[0], path[0], 0, 1), (used[-1], path[-1], -1, -2)):
-                if (edge, vertex) in at_end:
-                    direction = points[path[inner]] - points[vertex]
-                    direction /= np.linalg.norm(direction)
-                    line[tip] = points[vertex] + width * direction
-                    hinges.append(points[vertex] + 0.5 * width * direction)
-            slits.append(frozen(line))
-    return Cuts(tuple(slits), frozen(np.array(hinges).reshape(-1, 2)), frozen(_outline(tessellation, points)), width)
-
-
-def _welded_points(tessellation: Tessellation, contracted: np.ndarray) -> np.ndarray:
-    """Mean (w, 2) of the copies of every welded vertex."""
-    weld, n = tessellation.weld, tessellation.n_welded
-    count = np.bincount(weld, minlength=n)[:, None]
-    return np.stack([np.bincount(weld, contracted[:, axis], n) for axis in range(2)], axis=1) / count
-
-
-def _slit_of_side(tessellation: Tessellation) -> dict[tuple[int, int], int]:
-    """Slit edge of every directed tile side that is one of its two copies."""
-    sides = {}
-    for k, ((a, b), (c, d)) in enumerate(tessellation.edge_pairs.tolist()):
-        sides[a, b] = sides[d, c] = k
-    return sides
-
-
-def _slit_ends(tessellation: Tessellation) -> list[tuple[int, int]]:
-    """(slit edge, welded vertex) of every hinge that a slit runs into."""
-    sides = _slit_of_side(tessellation)
-    closing = tessellation.hinges[tessellation.slit_ends].tolist()
-    return [(sides[before, hinge], int(tessellation.weld[hinge])) for before, hinge, *_ in closing]
-
-
-def _slit_groups(tessellation: Tessellation) -> list[np.ndarray]:
-    """Slit edges that bound one hole or one notch, (g,) int each, in order of their smallest edge.
-
-    Following the boundary of the deployed sheet from one side to the next never leaves a hole; where both
-    sides are copies of slit edges, the two edges belong to one cut.
-    """
-    sides = _slit_of_side(tessellation)
-    n = len(tessellation.edge_pairs)
-    corners = tessellation.corners
-    alone = corners[np.bincount(corners[:, 1], minlength=tessellation.n_vertices)[corners[:, 1]] == 1]
-    links = [
-        (sides[a, b], sides[b, c])
-        for a, b, c in np.concatenate([tessellation.hinges[:, :3], alone]).tolist()
-        if (a, b) in sides and (b, c) in sides
-    ]
-    pairs = np.array(links, np.int64).reshape(-1, 2)
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, labels = connected_components(graph, directed=False)
-    groups = [np.flatnonzero(labels == label) for label in range(count)]
-    return sorted(groups, key=lambda group: int(group[0]))
+    slits, whole, hinges, widths = [], [], [], []
+    for path in paths:
+        line = points[list(path.vertices)]
+        whole.append(frozen(line))
+        line = line.copy()
+        for vertex, inner, tip in _hinge_ends(path):
+            along = points[inner] - points[vertex]
+            length = float(np.linalg.norm(along))
+            along = along / (length or 1.0)  # an edge without length: a state that was saved before its solve ended
+            inset = 0.0
+            if kerf:
+                inset = clearance(along, [ray for key, ray in rays[vertex] if key != (vertex, inner)], kerf)
+            both = len(path.vertices) == 2 and path.starts_at_hinge and path.ends_at_hinge
+            back = min(width + inset, (_LONGEST_OF_TWO if both else _LONGEST_TIP) * length)
+            if kerf and back <= inset:
+                raise ParameterError(
+                    f"--kerf: expected a cut that leaves a hinge at every end of a slit, got {kerf:.6g}, which takes "
+                    f"{inset:.6g} where a slit's last edge is {length:.6g}"
+                )
+            line[tip] = points[vertex] + back * along
+            widths.append(back - inset)
+            hinges.append(points[vertex] + (back - 0.5 * (kerf + widths[-1])) * along)
+        slits.append(frozen(line))
+    narrowed = int(np.sum(np.array(widths) < width * (1 - 1e-9)))
+    outer, inner_contours = compensated_contours(points[outline], [points[loop] for loop in openings], kerf)
+    return Cuts(
+        slits=tuple(slits),
+        hinges=frozen(np.array(hinges).reshape(-1, 2)),
+        outline=frozen(outer),
+        hinge_width=width,
+        whole=tuple(whole),
+        openings=tuple(frozen(loop) for loop in inner_contours),
+        kerf=float(kerf),
+        narrowed=narrowed,
+        narrowest=min(widths, default=np.inf),
+        bare=len(np.setdiff1d(tessellation.hinges[:, 1], tessellation.hinges[tessellation.slit_ends, 1])),
+    )
 
 
-def _paths(edges: np.ndarray, group: np.ndarray) -> list[tuple[list[int], list[int]]]:
-    """Cover the tree of slit edges by paths from leaf to leaf, each edge once: (vertices, edges) of each."""
-    around: dict[int, list[tuple[int, int]]] = {}
-    for k in group.tolist():
-        a, b = edges[k].tolist()
-        around.setdefault(a, []).append((k, b))
-        around.setdefault(b, []).append((k, a))
-    free, paths = set(group.tolist()), []
-    while free:
-        degree = {v: sum(k in free for k, _ in near) for v, near in around.items()}
-        starts = [v for v, d in degree.items() if d % 2 == 1] or [v for v, d in degree.items() if d]
-        here = min(starts)
-        path, used = [here], []
-        while True:
-            following = [(k, v) for k, v in around[here] if k in free]
-            if not following:
-                break
-            edge, here = following[0]
-            free.discard(edge)
-            path.append(here)
-            used.append(edge)
-        paths.append((path, used))
-    return paths
+def _hinge_ends(path: SlitPath) -> list[tuple[int, int, int]]:
+    """(hinge, next vertex, place in the path) of the ends of a path that are hinges."""
+    v = path.vertices
+    ends = [(v[0], v[1], 0)] if path.starts_at_hinge else []
+    return ends + ([(v[-1], v[-2], -1)] if path.ends_at_hinge else [])
 
 
-def _outline(tessellation: Tessellation, points: np.ndarray) -> np.ndarray:
-    loop = tessellation.weld[tessellation.outline]
-    return points[loop[loop != np.roll(loop, 1)]]
+def _rays(
+    paths: Sequence[SlitPath], points: np.ndarray, loops: Sequence[np.ndarray]
+) -> dict[int, list[tuple[tuple[int, int], Ray]]]:
+    """All lines that leave a welded vertex: ((vertex, next vertex), (kind, unit vector))."""
+    found: dict[int, list[tuple[tuple[int, int], Ray]]] = {}
+
+    def add(kind: str, a: int, b: int) -> None:
+        along = points[b] - points[a]
+        length = float(np.linalg.norm(along))
+        if length > 0:
+            found.setdefault(a, []).append(((a, b), (kind, along / length)))
+
+    for path in paths:
+        v = path.vertices
+        for k in range(len(v) - 1):
+            add("tip" if k == 0 and path.starts_at_hinge else "slit", v[k], v[k + 1])
+            add("tip" if k == len(v) - 2 and path.ends_at_hinge else "slit", v[k + 1], v[k])
+    for loop in loops:
+        for a, b in zip(loop.tolist(), np.roll(loop, -1).tolist(), strict=True):
+            add("rim", a, b)
+            add("rim", b, a)
+    return found
 
 
-def _checked_width(
-    width: float | None, tessellation: Tessellation, points: np.ndarray, tip_lengths: np.ndarray
-) -> float:
+def _checked_width(width: float | None, tessellation: Tessellation, points: np.ndarray, lengths: np.ndarray) -> float:
     tiles = tessellation.tiles
     edge = points[tessellation.weld[tiles.successors]] - points[tessellation.weld[tiles.indices]]
     median = float(np.median(np.linalg.norm(edge, axis=1)))
-    longest = _LONGEST_TIP * float(tip_lengths.min()) if len(tip_lengths) else np.inf
     if width is None:
-        return min(_AUTOMATIC_WIDTH * median, 0.5 * longest)
-    if not np.isfinite(width) or not 0 < width <= longest:
+        shortest = float(lengths.min()) if len(lengths) else np.inf
+        return min(_AUTOMATIC_WIDTH * median, 0.5 * _LONGEST_TIP * shortest)
+    longest = _LONGEST_TIP * float(np.median(lengths)) if len(lengths) else np.inf
+    if not np.isfinite(width) or not 0 < width <= longest * (1 + 1e-12):
         raise ParameterError(
-            f"--hinge-width: expected more than 0 and at most {longest:.6g} (half of the shortest last edge of a slit; "
+            f"--hinge-width: expected more than 0 and at most {longest:.6g} (half of the median last edge of a slit; "
             f"the median tile edge is {median:.6g}), got {width:.6g}"
         )
     return float(width)

@@ -1,7 +1,8 @@
 """Everything that follows from tiles and welding: slits, rings, holes, hinges, the outline.
 
-The derivation is purely topological but for one thing: where more than two tiles share a vertex, their
-cyclic order is read from the contracted layout.
+The derivation is purely topological but for two things read from the contracted layout: the cyclic order of
+the tiles that share a vertex, and which closed curve of the rim is the outside (counter-clockwise) and which
+is an opening that stays in the contracted sheet (clockwise).
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ def derive_tessellation(
     first, second = corners[hinged], corners[other]
     hinges = np.stack([first[:, 0], first[:, 1], second[:, 2], second[:, 0], first[:, 2]], axis=1)
 
-    holes, hole_tiles, outlines = _trace(succ, start, end, rim, tiles.owners)
+    holes, hole_tiles, openings, outlines = _trace(succ, start, end, rim, tiles.owners, np.asarray(contracted))
     rings, ring_vertices = _rings(weld, start, end, rim)
     outline = max(outlines, key=len) if outlines else np.zeros(0, np.int64)
     cells = np.stack([np.zeros(len(tiles)), np.zeros(len(tiles)), np.arange(len(tiles))], 1) if cells is None else cells
@@ -81,6 +82,7 @@ def derive_tessellation(
         ring_vertices=frozen(ring_vertices, np.int64),
         holes=holes,
         hole_tiles=hole_tiles,
+        openings=openings,
         hinges=frozen(hinges, np.int64),
         slit_ends=frozen(weld[hinges[:, 0]] == weld[hinges[:, 2]], np.bool_),
         outline=frozen(outline, np.int64),
@@ -90,13 +92,18 @@ def derive_tessellation(
 
 
 def n_outer_loops(tessellation: Tessellation) -> int:
-    """Number of closed boundary curves of the contracted sheet: 1 for a disk, more where it is pinched or pierced."""
+    """Number of closed boundary curves of the contracted sheet.
+
+    1 for a disk, more where it is pinched, in pieces, or pierced; openings that stay on contraction count too.
+    """
     weld = tessellation.weld
     start, end = tessellation.tiles.indices, tessellation.tiles.successors
     rim = _twins(weld[start], weld[end], tessellation.n_welded) < 0
     following = _next_around(tessellation.corners, tessellation.contracted)
     succ = following[_successor_positions(tessellation.tiles)]
-    return len(_trace(succ, start, end, rim, tessellation.tiles.owners)[2])
+    contracted = tessellation.contracted
+    openings, outlines = _trace(succ, start, end, rim, tessellation.tiles.owners, contracted)[2:]
+    return int((openings.sizes > 0).sum()) + len(outlines)
 
 
 def _twins(a: np.ndarray, b: np.ndarray, n: int) -> np.ndarray:
@@ -142,12 +149,12 @@ def _next_around(corners: np.ndarray, contracted: np.ndarray) -> np.ndarray:
 
 
 def _trace(
-    succ: np.ndarray, start: np.ndarray, end: np.ndarray, rim: np.ndarray, owners: np.ndarray
-) -> tuple[Loops, Loops, list[np.ndarray]]:
-    """Follow the boundary of the deployed sheet: closed holes, the tiles round them, and outer curves."""
+    succ: np.ndarray, start: np.ndarray, end: np.ndarray, rim: np.ndarray, owners: np.ndarray, contracted: np.ndarray
+) -> tuple[Loops, Loops, Loops, list[np.ndarray]]:
+    """Follow the boundary of the deployed sheet: holes, the tiles and the open sides round them, outer curves."""
     seen = np.zeros(len(succ), bool)
     following = succ.tolist()
-    holes, around, outlines = [], [], []
+    holes, around, openings, outlines = [], [], [], []
     for first in range(len(following)):
         if seen[first]:
             continue
@@ -157,16 +164,25 @@ def _trace(
             path.append(here)
             here = following[here]
         loop = np.array(path)
-        if rim[loop].any():
+        if rim[loop].any() and _area(contracted[start[loop]]) >= 0:
             # only the ends of rim edges: the inner vertex of a notch is skipped, which fills the notch
             ends = np.stack([start[loop], end[loop]], axis=1)[rim[loop]].ravel()
             keep = ends != np.roll(ends, 1)
             outlines.append(ends[keep])
         else:
-            holes.append(start[loop][::-1])
-            tiles = owners[loop][::-1]
+            loop = loop[::-1]
+            holes.append(start[loop])
+            openings.append(loop[rim[loop]])
+            tiles = owners[loop]
             around.append(tiles[np.sort(np.unique(tiles, return_index=True)[1])])
-    return Loops.from_lists(holes), Loops.from_lists(around), outlines
+    return Loops.from_lists(holes), Loops.from_lists(around), Loops.from_lists(openings), outlines
+
+
+def _area(corners: np.ndarray) -> float:
+    """Signed area of a polygon: what slits enclose cancels."""
+    p = corners - corners[0]
+    q = np.roll(p, -1, axis=0)
+    return float(0.5 * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum())
 
 
 def _rings(weld: np.ndarray, start: np.ndarray, end: np.ndarray, rim: np.ndarray) -> tuple[Loops, np.ndarray]:

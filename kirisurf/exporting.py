@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from kirisurf.cuts import cuts
+from kirisurf.dxf import dxf_text
 from kirisurf.errors import ParameterError
+from kirisurf.fabrication import Fabrication, Placement, cut_lines, solid_part
 from kirisurf.formats import write_obj, write_vtp
 from kirisurf.formats.atomic import write_bytes, write_text
-from kirisurf.loops import Loops
+from kirisurf.formats.stl import stl_bytes
+from kirisurf.formats.triangulation import triangulated
 from kirisurf.runs import Run
 from kirisurf.runs.table import curvature_csv
 from kirisurf.svg import svg_text
 
 STATES = ("contracted", "deployed")
-_LATER = (".dxf", ".pdf", ".step", ".stp", ".3mf", ".ply")
+CUTTING = (".svg", ".dxf")
+_LATER = (".pdf", ".step", ".stp", ".3mf", ".ply")
 
 
 def export(
@@ -27,14 +31,16 @@ def export(
     state: str | None = None,
     hinge_width: float | None = None,
     units: str | None = None,
+    making: Fabrication | None = None,
 ) -> Path:
     """Write one file of a run; its suffix chooses the format.
 
     =======  ==============================================================
     .svg     cut pattern to scale, layers cut, hinge and outline
+    .dxf     the same, layers CUT, HINGE and OUTLINE
     .obj     polygons of a state (contracted, unless `state` says deployed)
     .vtp     the same with every named field
-    .stl     triangles of a state (binary, single precision)
+    .stl     triangles of a state, or with a thickness the sheet as a solid (binary, single precision)
     .csv     curvature of every hole
     =======  ==============================================================
 
@@ -45,38 +51,78 @@ def export(
         Replaced as a whole, or left alone where writing fails.
     state : str, optional
         contracted (default) or deployed.
-    hinge_width : float, optional
-        Of the SVG; by default that of the run.
-    units : str, optional
-        Of the SVG; by default those of the run.
+    hinge_width, units : optional
+        Short for those of `making`.
+    making : Fabrication, optional
+        Scale, sheet, kerf and thickness of cutting files and solids.
 
     Raises
     ------
     ParameterError
-        Where the suffix or the state is unknown.
+        Where the suffix, the state or a length is wrong, or the pattern does not fit the sheet.
     OutputError
         Where the file cannot be written.
     """
-    check_names([path], state)
+    making = making or Fabrication()
+    if hinge_width is not None:
+        making = replace(making, hinge_width=hinge_width)
+    if units is not None:
+        making = replace(making, units=units)
+    return export_with_remarks(run, path, state, making).path
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A file that was written.
+
+    Attributes
+    ----------
+    path : Path
+    placement : Placement or None
+        Scale, turn and size of a cutting file or solid.
+    warnings : tuple of str
+        What is not as it was asked for.
+    """
+
+    path: Path
+    placement: Placement | None = None
+    warnings: tuple[str, ...] = ()
+
+
+def export_with_remarks(
+    run: Run, path: str | os.PathLike[str], state: str | None = None, making: Fabrication | None = None
+) -> Exported:
+    """Write one file as :func:`export` does, and return what is to be said about it."""
+    making = making or Fabrication()
+    check_names([path], state, making)
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix == ".svg":
-        width = hinge_width if hinge_width is not None else run.result["hinge_width"]
-        lines = cuts(run.tessellation, run.contracted, width)
-        write_text(path, svg_text(lines, units or run.spec.units, f"{run.result['target']['name']}: cut pattern"))
-    else:
-        _WRITERS[suffix](run, path, state or STATES[0])
-    return path
+    if suffix in CUTTING:
+        lines, placement = cut_lines(run, making)
+        units = making.units or run.spec.units
+        if suffix == ".dxf":
+            write_text(path, dxf_text(lines, units))
+        else:
+            page = making.sheet.size if making.sheet is not None else None
+            write_text(path, svg_text(lines, units, f"{run.result['target']['name']}: cut pattern", page))
+        return Exported(path, placement, lines.warnings)
+    if suffix == ".stl" and making.thickness is not None:
+        part, placement = solid_part(run, making)
+        write_bytes(path, stl_bytes(part.corners))
+        return Exported(path, placement, part.warnings)
+    _WRITERS[suffix](run, path, state or STATES[0])
+    return Exported(path)
 
 
-def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None) -> None:
-    """Check suffixes and state before anything is read or written.
+def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None, making: Fabrication | None = None) -> None:
+    """Check suffixes, state and what goes with them before anything is read or written.
 
     Raises
     ------
     ParameterError
         Where one is unknown, or they do not go together.
     """
+    making = making or Fabrication()
     if state is not None and state not in STATES:
         raise ParameterError(f"--state: expected one of {', '.join(STATES)}, got {state!r}")
     for path in paths:
@@ -85,8 +131,14 @@ def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None) -> N
             raise ParameterError(f"{path}: {suffix} is not available in this version: use {', '.join(SUFFIXES)}.")
         if suffix not in SUFFIXES:
             raise ParameterError(f"{path}: expected a suffix among {', '.join(SUFFIXES)}, got {suffix or 'none'}")
-        if suffix == ".svg" and state == "deployed":
-            raise ParameterError(f"{path}: expected --state contracted for a cut pattern, got deployed")
+        is_solid = suffix == ".stl" and making.thickness is not None
+        if (suffix in CUTTING or is_solid) and state == "deployed":
+            what = "solid" if is_solid else "cut pattern"
+            raise ParameterError(f"{path}: expected --state contracted for a {what}, got deployed")
+        if making.is_scaled and suffix != ".csv" and not (suffix in CUTTING or is_solid):
+            raise ParameterError(
+                f"{path}: expected --scale and --fit-sheet with .svg, .dxf and .stl with --thickness only, got {suffix}"
+            )
 
 
 def check_free(paths: Sequence[str | os.PathLike[str]], folder: str | os.PathLike[str], overwrite: bool) -> None:
@@ -131,25 +183,8 @@ def _write_csv(run: Run, path: Path, state: str) -> None:
 def _write_stl(run: Run, path: Path, state: str) -> None:
     points = _points(run, state)
     points = np.column_stack([points, np.zeros(len(points))]) if points.shape[1] == 2 else points
-    write_bytes(path, stl_bytes(points, run.tessellation.tiles))
-
-
-def stl_bytes(points: np.ndarray, tiles: Loops) -> bytes:
-    """Return convex tiles as a binary STL of triangles, each tile as a fan from its first vertex.
-
-    Parameters
-    ----------
-    points : (n, 3)
-    tiles : Loops
-    """
-    fans = [np.stack([np.full(len(t) - 2, t[0]), t[1:-1], t[2:]], axis=1) for t in tiles]
-    corners = points[np.concatenate(fans)] if fans else np.zeros((0, 3, 3))
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    record = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    record["normal"] = normal / np.where(length > 0, length, 1.0)
-    record["corners"] = corners
-    return b"kirisurf".ljust(80) + np.uint32(len(corners)).tobytes() + record.tobytes()
+    faces, _ = triangulated(points, run.tessellation.tiles)
+    write_bytes(path, stl_bytes(points[faces]))
 
 
 _WRITERS: dict[str, Callable[[Run, Path, str], None]] = {
@@ -158,4 +193,4 @@ _WRITERS: dict[str, Callable[[Run, Path, str], None]] = {
     ".stl": _write_stl,
     ".csv": _write_csv,
 }
-SUFFIXES = (".svg", *_WRITERS)
+SUFFIXES = (*CUTTING, *_WRITERS)

@@ -43,8 +43,8 @@ BYTES_PER_TILE = 115_000
 _FOUND = (Status.CONVERGED, Status.INTERRUPTED, Status.TIME_LIMIT)
 _TOO_EXACT = (
     "Exact: no sheet was found that is rigid and has every vertex on the surface. Flat tiles with all corners on a "
-    "curved surface have hardly more freedom than along the outline, whatever their size, so that patterns of more than "
-    "about 12x12 tiles seldom succeed: ask for fewer cells, or for the closest rigid sheet (--closeness best)."
+    "curved surface have hardly more freedom than along the outline, whatever their size, so that patterns of more "
+    "than about 12x12 tiles seldom succeed: ask for fewer cells, or for the closest rigid sheet (--closeness best)."
 )
 
 

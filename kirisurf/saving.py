@@ -121,12 +121,14 @@ def save(
 
 
 def _cut_lines(design: Finished) -> tuple[Cuts, list[str]]:
-    """The cut lines; a hinge width that does not fit is replaced and said, for the solve must not be lost to it."""
+    """The cut lines; a hinge width or kerf that does not fit is replaced and said: the solve must not be lost to it."""
     try:
-        return cuts(design.result.tessellation, design.flat, design.spec.hinge_width), []
+        lines = cuts(design.result.tessellation, design.flat, design.spec.hinge_width, design.spec.kerf)
+        return lines, list(lines.warnings)
     except ParameterError as problem:
         lines = cuts(design.result.tessellation, design.flat)
-        return lines, [f"{problem}. pattern.svg was drawn with hinges of {lines.hinge_width:.6g} instead."]
+        drawn = f"pattern.svg was drawn with hinges of {lines.hinge_width:.6g} and for a kerf of 0 instead."
+        return lines, [f"{problem}. {drawn}"]
 
 
 def _write_data(design: Finished, lines: Cuts, to: Path) -> None:
@@ -196,6 +198,7 @@ def _result(design: Finished, certificate: Certificate, status: Status, lines: C
         "slits": len(lines.slits),
         "edge_length": certificate.edge_length,
         "hinge_width": lines.hinge_width,
+        "kerf": lines.kerf,
         "units": design.spec.units or "mm (assumed)",
         "origin": design.origin,
         "target": _described(surface),

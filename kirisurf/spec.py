@@ -70,7 +70,8 @@ class FitSpec:
         Material left at every hinge of the cut pattern, in the target's units; None is 4 % of the
         median contracted tile edge.
     kerf : float
-        Width of the cut; this version: 0.
+        Width of the cut, in the target's units, less than the hinge width; the cut pattern is compensated
+        for it (see :mod:`kirisurf.kerf`).
     units : str or None
         Length unit of the target's coordinates, one of `UNITS`; None is taken as mm, and said.
     opening : float or 'auto'
@@ -171,8 +172,10 @@ class FitSpec:
                 raise ParameterError(f"--{name}: expected true or false, got {getattr(self, name)!r}")
         if self.remesh_edge is not None and not self.remesh:
             raise ParameterError(f"--remesh-edge: expected together with --remesh, got {self.remesh_edge} alone")
-        if self.kerf:
-            raise _later("--kerf", "leave it out and let the cutter's own software compensate")
+        if self.hinge_width is not None and self.kerf >= self.hinge_width:
+            raise ParameterError(
+                f"--kerf: expected less than the hinge width {self.hinge_width:.6g}, got {self.kerf:.6g}"
+            )
 
     def changed(self, **values: Any) -> FitSpec:
         """Return a copy with some values changed; a new `cells` clears `tiles` and the other way round."""

@@ -22,7 +22,12 @@ _LAYERS = (("cut", "#d00000"), ("hinge", "#0060d0"), ("outline", "#000000"))
 _MARGIN = 0.02  # of the longer side
 
 
-def svg_text(lines: Cuts, units: str | None = None, title: str = "kirisurf cut pattern") -> str:
+def svg_text(
+    lines: Cuts,
+    units: str | None = None,
+    title: str = "kirisurf cut pattern",
+    page: tuple[float, float] | None = None,
+) -> str:
     """Return the cut pattern as SVG text.
 
     One coordinate of the viewBox is one unit of the page (mm, cm or in), so the drawing is to scale. The
@@ -34,6 +39,8 @@ def svg_text(lines: Cuts, units: str | None = None, title: str = "kirisurf cut p
     units : str, optional
         Length unit of the points: um, mm, cm, m, in or ft; None is taken as mm, and the file says so.
     title : str
+    page : (width, height), optional
+        Size of the drawing, from the origin of the points on; by default the pattern with a margin.
 
     Raises
     ------
@@ -52,12 +59,13 @@ def svg_text(lines: Cuts, units: str | None = None, title: str = "kirisurf cut p
     if unit not in _SVG_UNITS:
         raise ParameterError(f"units: expected one of {', '.join(_SVG_UNITS)}, got {units!r}")
     factor, page_unit = _SVG_UNITS[unit]
-    low, high = lines.outline.min(axis=0), lines.outline.max(axis=0)
+    low, high = lines.box
     margin = _MARGIN * float((high - low).max())
-    width, height = factor * (high - low + 2 * margin)
+    low, high = (low - margin, high + margin) if page is None else (np.zeros(2), np.array(page, dtype=float))
+    width, height = factor * (high - low)
 
     def placed(points: np.ndarray) -> np.ndarray:
-        return factor * np.stack([points[:, 0] - low[0] + margin, high[1] - points[:, 1] + margin], axis=1)
+        return factor * np.stack([points[:, 0] - low[0], high[1] - points[:, 1]], axis=1)
 
     said = f"{unit}" if units is not None else "mm (assumed: the target names no unit; set it with --units)"
     radius = 0.5 * factor * lines.hinge_width
@@ -66,7 +74,7 @@ def svg_text(lines: Cuts, units: str | None = None, title: str = "kirisurf cut p
         "hinge": [
             f'<circle cx="{_number(x)}" cy="{_number(y)}" r="{_number(radius)}"/>' for x, y in placed(lines.hinges)
         ],
-        "outline": [f'<path d="{_path(placed(lines.outline))} Z"/>'],
+        "outline": [f'<path d="{_path(placed(loop))} Z"/>' for loop in (lines.outline, *lines.openings)],
     }
     text = [
         '<?xml version="1.0" encoding="UTF-8"?>',
@@ -75,9 +83,11 @@ def svg_text(lines: Cuts, units: str | None = None, title: str = "kirisurf cut p
         f'viewBox="0 0 {_number(width)} {_number(height)}">',
         f"<title>{escape(title)}</title>",
         f"<desc>To scale. Units of the target: {said}. Coordinates of this file: {page_unit}. "
-        f"Hinge width: {_number(factor * lines.hinge_width)} {page_unit}. {len(lines.slits)} slits.</desc>",
+        f"Hinge width: {_number(factor * lines.hinge_width)} {page_unit}. Compensated for a kerf of "
+        f"{_number(factor * lines.kerf)} {page_unit}. {len(lines.slits)} slits.</desc>",
     ]
-    stroke = _number(0.001 * max(width, height))
+    # thin enough to see the ligaments, whatever the size of the page
+    stroke = _number(min(0.001 * max(width, height), 0.25 * factor * lines.hinge_width))
     for name, color in _LAYERS:
         text.append(
             f'<g id="{name}" inkscape:groupmode="layer" inkscape:label="{name}" fill="none" '

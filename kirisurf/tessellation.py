@@ -46,6 +46,9 @@ class Tessellation:
         Vertices round every closed hole, counter-clockwise seen from the front (the hole on the left).
     hole_tiles : Loops
         Tiles round every hole, each once.
+    openings : Loops
+        Tile sides round every hole that have no partner on contraction, as positions in `tiles.indices`, in the
+        hole's order: they bound what stays open there. Empty where the hole closes, as all do for quad and kagome.
     hinges : (k, 5)
         One row for every gap between two neighboring tiles at a hinge: (end of the first tile's side,
         hinge vertex, end of the second tile's side, other neighbor of the hinge vertex in the second
@@ -70,6 +73,7 @@ class Tessellation:
     ring_vertices: Int[np.ndarray, " r"]
     holes: Loops
     hole_tiles: Loops
+    openings: Loops
     hinges: Int[np.ndarray, "k 5"]
     slit_ends: np.ndarray
     outline: Int[np.ndarray, " o"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -24,6 +24,8 @@ class UnitCell:
     deployed_shifts, contracted_shifts : (2, 2)
         Row 0 is the translation to the next column, row 1 to the next row.
     name : str
+    openings : tuple of (_, 2)
+        Corners of what stays open in the contracted cell, counter-clockwise: by design, no tile lies there.
     """
 
     deployed: Float[np.ndarray, "p 2"]
@@ -32,6 +34,35 @@ class UnitCell:
     deployed_shifts: Float[np.ndarray, "2 2"]
     contracted_shifts: Float[np.ndarray, "2 2"]
     name: str
+    openings: tuple[Float[np.ndarray, "_ 2"], ...] = ()
+
+    @property
+    def area(self) -> float:
+        """Area of the contracted cell, openings included."""
+        return float(abs(np.linalg.det(self.contracted_shifts)))
+
+    @property
+    def stretches(self) -> Float[np.ndarray, " 2"]:
+        """Largest and smallest linear stretch of the sheet from contracted to deployed, over all directions.
+
+        Examples
+        --------
+        >>> quad_cell().stretches.round(4).tolist()
+        [1.4142, 1.4142]
+        """
+        return np.linalg.svd(np.linalg.solve(self.contracted_shifts, self.deployed_shifts), compute_uv=False)
+
+    def normalized(self) -> UnitCell:
+        """Return the same cell in both states at the scale at which the contracted cell has area 1."""
+        scale = self.area**-0.5
+        return replace(
+            self,
+            deployed=frozen(scale * self.deployed),
+            contracted=frozen(scale * self.contracted),
+            deployed_shifts=frozen(scale * self.deployed_shifts),
+            contracted_shifts=frozen(scale * self.contracted_shifts),
+            openings=tuple(frozen(scale * opening) for opening in self.openings),
+        )
 
 
 def quad_cell(rotation: float = np.pi / 4) -> UnitCell:

@@ -164,7 +164,14 @@ def add_spec_options(parser: Parser) -> None:
         metavar="LENGTH",
         type=number,
     )
-    add(cutting, "--kerf", "width of the cut; this version: 0 only", metavar="LENGTH", type=number)
+    add(
+        cutting,
+        "--kerf",
+        "width of the cut, less than the hinge width: slits end earlier and the outline runs outside, so that hinges "
+        "and part keep their size; default: 0",
+        metavar="LENGTH",
+        type=number,
+    )
 
 
 def given_options(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -10,7 +10,9 @@ from kirisurf.cli.parser import add_command
 
 _TEXT = """\
 Sample surfaces are made on the spot from their formulas; the name stands for the surface wherever a TARGET is
-asked for."""
+asked for. Tessellations are listed with their linear stretch from closed to open (two numbers where it depends on
+the direction); "not fitted yet" marks those that this version knows and does not fit. Those with a file are
+examples of how a unit cell of your own is written."""
 
 _EXAMPLES = """\
   kirisurf samples
@@ -31,14 +33,49 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     from kirisurf.targets import samples
 
     found = samples()
-    width = max(len(sample.name) for sample in found)
+    tessellations = _tessellations()
+    width = max(len(each) for each in [sample.name for sample in found] + [each["name"] for each in tessellations])
     output.product("sample surfaces:")
     for sample in found:
         unit = f"; in {sample.units}" if sample.units != "1" else ""
         paper = "; published target" if sample.published else ""
         output.product(f"  {sample.name:<{width}}  {sample.title} (outline: {sample.outline}{unit}{paper})")
     output.product("tessellations:")
-    output.product(f"  {'quad':<{width}}  rotating squares; 4x4 unit cells are 8x8 tiles")
-    return Outcome(
-        0, {"samples": [dataclasses.asdict(sample) for sample in found], "tessellations": [{"name": "quad"}]}
-    )
+    for each in tessellations:
+        most, least = each["stretch"]
+        stretch = f"{most:.3f}" if most - least < 1e-6 else f"{most:.3f} and {least:.3f}"
+        reached = f"stretch 1 to {stretch}" if each["moves"] else f"stretch 1 or {stretch}, nothing between"
+        notes = "" if each["fitted"] else "; not fitted yet"
+        notes += f"; file {each['file']}" if each["file"] else ""
+        output.product(f"  {each['name']:<{width}}  {each['title']} ({reached}{notes})")
+    return Outcome(0, {"samples": [dataclasses.asdict(sample) for sample in found], "tessellations": tessellations})
+
+
+def _tessellations() -> list[dict[str, Any]]:
+    """What is known of every tessellation; fitted is what the spec of a fit accepts, asked on the spot."""
+    from kirisurf.errors import ParameterError
+    from kirisurf.spec import FitSpec
+    from kirisurf.unit_cells import catalog
+
+    def is_fitted(name: str) -> bool:
+        try:
+            FitSpec(target="hypar", tessellation=name)
+        except ParameterError:
+            return False
+        return True
+
+    listed = []
+    for entry in catalog():
+        cell, file = entry.cell(), None if entry.file is None else str(entry.file)
+        listed.append(
+            {
+                "name": entry.name,
+                "title": entry.title,
+                "tiles": len(cell.tiles),
+                "stretch": [float(stretch) for stretch in cell.stretches],
+                "moves": entry.moves,
+                "fitted": is_fitted(file or entry.name),
+                "file": file,
+            }
+        )
+    return listed

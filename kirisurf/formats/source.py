@@ -72,7 +72,7 @@ def load(path: str | os.PathLike[str], limit_mb: int | float = LIMIT_MB) -> Sour
         Where it is empty.
     """
     path = Path(path)
-    content = _bytes(path, limit_mb)
+    content = read_bytes(path, limit_mb)
     if not content.strip():
         raise UnusableError(f"{path}: expected a surface, got an empty file")
     if content.startswith(b"version https://git-lfs"):
@@ -103,7 +103,14 @@ def is_binary_stl(content: bytes) -> bool:
     return len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little")
 
 
-def _bytes(path: Path, limit_mb: int | float) -> bytes:
+def read_bytes(path: Path, limit_mb: int | float) -> bytes:
+    """Return the content of a plain file of at most so many megabytes, whatever else the path may lead to.
+
+    Raises
+    ------
+    UnreadableError
+        Where it is missing, no plain file, or too large.
+    """
     try:
         # Non-blocking, so that a named pipe answers instead of waiting for ever.
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))

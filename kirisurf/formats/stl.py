@@ -1,4 +1,4 @@
-"""Reading STL, ascii and binary.
+"""Reading STL, ascii and binary, and writing binary.
 
 Our own parser, because the libraries return an empty scene for a truncated file (trimesh) and
 believe the announced count (VTK); the binary form is one structured array anyway.
@@ -12,6 +12,25 @@ from kirisurf.errors import UnreadableError, UnusableError
 from kirisurf.formats.polygons import Polygons, floats, polygons, shown
 from kirisurf.formats.source import Source, is_binary_stl, text_lines
 
+_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def stl_bytes(corners: np.ndarray) -> bytes:
+    """Return triangles as binary STL.
+
+    Parameters
+    ----------
+    corners : (f, 3, 3)
+        Corners of every triangle, counter-clockwise seen from outside; single precision in the file.
+    """
+    corners = np.asarray(corners, dtype=np.float64).reshape(-1, 3, 3)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    facets = np.zeros(len(corners), dtype=_FACET)
+    facets["normal"] = normal / np.where(length > 0, length, 1.0)
+    facets["corners"] = corners
+    return b"kirisurf".ljust(80) + np.uint32(len(corners)).tobytes() + facets.tobytes()
+
 
 def read(source: Source) -> Polygons:
     """Read the triangles; three vertices each, as the format has them."""
@@ -23,8 +42,7 @@ def read(source: Source) -> Polygons:
 
 
 def _binary(content: bytes) -> np.ndarray:
-    facet = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    return np.frombuffer(content, facet, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
+    return np.frombuffer(content, _FACET, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
 
 
 def _ascii(source: Source) -> np.ndarray:

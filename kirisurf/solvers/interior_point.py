@@ -25,7 +25,7 @@ from kirisurf.problem import Problem
 from kirisurf.solvers.assembly import Assembly
 from kirisurf.solvers.direction import NewtonSystem
 from kirisurf.solvers.filter import Filter
-from kirisurf.solvers.line_search import LineSearch, step_fraction
+from kirisurf.solvers.line_search import LineSearch, longest_displacement, step_fraction
 from kirisurf.solvers.linearization import Linearization, stencils
 from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
@@ -177,7 +177,7 @@ class InteriorPoint:
                 return ended(Status.NOT_FINITE)
             if isinstance(advanced, Status):
                 return ended(advanced)
-            here = replace(advanced, moved=float(np.abs(advanced.points - here.points).max()))
+            here = replace(advanced, moved=longest_displacement(advanced.points - here.points))
             at = Linearization.at(at.problem, here.points)
 
     def _in_circles(self, history: list[Step], here: Iterate) -> bool:

@@ -74,6 +74,11 @@ def step_fraction(values: np.ndarray, change: np.ndarray, barrier: float) -> flo
     return float(min(1.0, (-keep * values[shrinking] / change[shrinking]).min(initial=np.inf)))
 
 
+def longest_displacement(displacements: np.ndarray) -> float:
+    """Largest length of the displacements (3 n,) or (n, 3) of vertices, whatever the directions of the axes."""
+    return float(np.sqrt((displacements.reshape(-1, 3) ** 2).sum(axis=1).max(initial=0.0)))
+
+
 class LineSearch:
     """Searches along one direction from one point.
 
@@ -85,7 +90,7 @@ class LineSearch:
     filter_ : Filter
         Takes in the starting point when a step is accepted for its violation.
     reach : float
-        Longest displacement of a coordinate.
+        Longest displacement of a vertex.
     """
 
     def __init__(
@@ -98,7 +103,7 @@ class LineSearch:
     def search(self, system: NewtonSystem, direction: Direction) -> tuple[Trial, float] | None:
         """Return an acceptable point and its step length, or None after the last halving."""
         slope = float(self._at.gradient @ direction.dx) - self._barrier * float((direction.ds / self._slacks).sum())
-        longest = float(np.abs(direction.dx).max(initial=0.0))
+        longest = longest_displacement(direction.dx)
         alpha = min(1.0, self._reach / max(longest, 1e-300))
         for halving in range(MOST_HALVINGS):
             trial = self._along(direction, alpha)

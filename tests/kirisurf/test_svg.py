@@ -15,6 +15,7 @@ from kirisurf.pattern import quad_pattern, tile_pattern
 from kirisurf.svg import svg_text
 from kirisurf.tessellation import Tessellation
 from kirisurf.unit_cell import quad_cell
+from tests.kirisurf import patterns
 
 SVG = "{http://www.w3.org/2000/svg}"
 CORNERS = [(0, 0), (0, 1), (3, 3)]
@@ -156,3 +157,12 @@ def test_an_unknown_unit_is_refused() -> None:
     lines = Cuts((), np.zeros((0, 2)), np.array([[0.0, 0], [1, 0], [0, 1]]), 0.1)
     with pytest.raises(ParameterError, match="units: expected one of"):
         svg_text(lines, "parsec")
+
+
+def test_designed_openings_are_drawn_with_the_outline() -> None:
+    tessellation = patterns.pattern("opening")
+    lines = cuts(tessellation, 70 * tessellation.contracted, 2.0, 0.5)
+    _, layers = parsed(svg_text(lines, "mm"))
+    drawn = [Polygon(loop).area for loop in layers["outline"]]
+    assert drawn == pytest.approx([Polygon(loop).area for loop in (lines.outline, *lines.openings)])
+    assert len(drawn) == 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ from kirisurf.cli.failures import explained
 from kirisurf.cli.output import Outcome
 from kirisurf.cli.parser import LATER_COMMANDS
 from kirisurf.errors import OutputError, ParameterError
+from kirisurf.spec import TESSELLATIONS
 
 ROOT = Path(__file__).resolve().parents[3]
 COMMANDS = ("demo", "fit", "audit", "curvature", "report", "view", "export", "samples")
@@ -79,7 +81,7 @@ def test_the_version_is_printed(capsys: Captured) -> None:
         (["curvature", "nosuch"], 3, "expected a run folder"),
         (["report", "nosuch"], 3, "expected a run folder"),
         (["report", "a", "b"], 2, "expected a file for the comparison"),
-        (["export", "run", "--to", "x.dxf"], 2, ".dxf is not available in this version"),
+        (["export", "run", "--to", "x.pdf"], 2, ".pdf is not available in this version"),
         (["export", "run", "--to", "x.xyz"], 2, "expected a suffix among"),
         (["export", "run", "--to", "x.svg", "--state", "deployed"], 2, "expected --state contracted"),
         (["view", "hypar", "--web"], 2, "not available in this version"),
@@ -135,7 +137,20 @@ def test_samples_are_listed_for_people_and_programs(capsys: Captured) -> None:
     assert cli.main(["samples", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert {"hypar", "car_hood"} <= {sample["name"] for sample in found["samples"]}
-    assert found["tessellations"] == [{"name": "quad"}]
+    listed = {each["name"]: each for each in found["tessellations"]}
+    assert set(TESSELLATIONS) <= set(listed)
+    assert listed["quad"]["fitted"] and listed["kagome"]["tiles"] == 8
+    assert listed["kagome"]["stretch"] == pytest.approx([2, 2])
+    # what is listed as fitted is what a fit accepts
+    for name, each in listed.items():
+        marked = re.search(rf"^  {name} .*not fitted yet", out, re.MULTILINE)
+        assert (marked is None) == each["fitted"]
+        refused = cli.main(
+            ["fit", "hypar", "-o", os.devnull, "--tessellation", each["file"] or name, "--tolerance", "5"]
+        )
+        assert refused == 2
+        err = capsys.readouterr().err
+        assert ("not available in this version" in err) != each["fitted"]
 
 
 def test_the_audit_passes_a_good_pair_and_fails_a_planted_fault(tmp_path: Path, capsys: Captured) -> None:
