@@ -34,7 +34,7 @@ MOST_RECENTERINGS = 8
 ENOUGH = 1.03
 """Sufficiency that ends recentering; the certificate takes openings about the normals, which may be a little less."""
 SOFT = Weights(fairness=1e-3, proximity=0.03)
-"""Weights of a recentering: tiles may differ more from their neighbors."""
+"""Weights of a recentering towards the target: tiles may differ more from their neighbors."""
 PAYS = 0.93
 """Factor by which the distance must fall for one more recentering."""
 
@@ -98,13 +98,15 @@ class Continuation:
         """Hold a converged sheet near itself instead of near its start, as often as that improves it."""
         count, best, best_enough = 0, outcome, -np.inf
         while self.in_stages and count < MOST_RECENTERINGS:
-            at = formulate(outcome.points, SOFT, self.guarded)
+            at = formulate(outcome.points, Weights(), self.guarded)
             before, enough = _distance(at(outcome.points), outcome.points), self.sufficiency(outcome.points)
             # the last of those that suffice is the closest; of those that do not, the nearest to it counts
             if min(enough, ENOUGH) >= min(best_enough, ENOUGH):
                 best, best_enough = outcome, enough
             if before <= FAR and enough >= ENOUGH:
                 break
+            if before > FAR:
+                at = formulate(outcome.points, SOFT, self.guarded)
             solver = self.make_solver(replace(self.limits, max_steps=STEPS_EACH))
             found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
             after, more = _distance(at(found.points), found.points), self.sufficiency(found.points)
