@@ -30,7 +30,8 @@ lint: $(READY)
 	@$(PY) -m mypy
 
 bench: $(READY)
-	@$(PY) -m pip install --quiet --disable-pip-version-check --only-binary :all: -c constraints.txt ipyopt unopy \
+	@$(PY) -m pip install --quiet --disable-pip-version-check --only-binary :all: -c constraints.txt \
+		--no-build-isolation --editable '.[peers]' \
 		|| echo "make bench: the peers ipopt and uno could not be installed; going on without" >&2
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) tests/benchmarks/run.py
 

@@ -1,4 +1,4 @@
-"""Read-only arrays and the one validator of arrays, with one form of message: expected ..., got ...."""
+"""Read-only arrays, means of groups, and the one validator of arrays: expected ..., got ...."""
 
 from __future__ import annotations
 
@@ -15,6 +15,12 @@ def frozen(values: ArrayLike, dtype: DTypeLike = np.float64) -> np.ndarray:
     copy = np.array(values, dtype=dtype, order="C", copy=True)
     copy.flags.writeable = False
     return copy
+
+
+def group_means(values: np.ndarray, groups: np.ndarray, n: int) -> np.ndarray:
+    """Return the mean (n, d) of the rows of `values` (k, d) in every one of n groups; `groups` (k,) numbers them."""
+    count = np.bincount(groups, minlength=n)[:, None]
+    return np.stack([np.bincount(groups, column, n) for column in values.T], axis=1) / count
 
 
 def checked(

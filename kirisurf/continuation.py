@@ -8,7 +8,6 @@ solution instead of near its start, as long as that pays.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -51,8 +50,8 @@ class Continuation:
     ----------
     make_solver : callable
         Limits to Solver.
-    limits : Limits
-        Of the direct solve; the time limit holds for everything.
+    left : callable
+        Returns the limits of a solve, with the time that is left now: one limit of time holds for all solves.
     sufficiency : callable
         The smallest edge and opening of a solution (n, 3), by its own sizes, over what was asked for, whichever
         is less: 1 or more suffices.
@@ -65,7 +64,7 @@ class Continuation:
     """
 
     make_solver: Callable[[Limits], Solver]
-    limits: Limits
+    left: Callable[[], Limits]
     sufficiency: Callable[[np.ndarray], float]
     sound: Callable[[np.ndarray], bool]
     in_stages: bool = True
@@ -107,7 +106,7 @@ class Continuation:
                 break
             if before > FAR:
                 at = formulate(outcome.points, SOFT, self.guarded)
-            solver = self.make_solver(replace(self.limits, max_steps=STEPS_EACH))
+            solver = self.make_solver(replace(self.left(), max_steps=STEPS_EACH))
             found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
             after, more = _distance(at(found.points), found.points), self.sufficiency(found.points)
             better = after <= PAYS * before or (enough < ENOUGH and more > enough)
@@ -127,18 +126,16 @@ class Continuation:
     def _solved(
         self, formulate: Formulate, start: np.ndarray, progress: Progress | None, should_stop: ShouldStop | None
     ) -> tuple[Outcome, tuple[str, ...]]:
-        began = time.perf_counter()
         at = formulate(start, Weights(), self.guarded)
-        direct = self.make_solver(self.limits).solve(at(start), start, at, progress, should_stop)
+        direct = self.make_solver(self.left()).solve(at(start), start, at, progress, should_stop)
         if direct.status in _FINAL or not self.in_stages:
             return direct, ()
         outcome, history, stages = direct, direct.history, 0
         points = start
         for weights in STAGES:
-            left = self.limits.max_seconds - (time.perf_counter() - began)
-            limits = replace(self.limits, max_steps=STEPS_EACH, max_seconds=left)
             at = formulate(points, weights, True)
-            found = self.make_solver(limits).solve(at(points), points, at, progress, should_stop)
+            solver = self.make_solver(replace(self.left(), max_steps=STEPS_EACH))
+            found = solver.solve(at(points), points, at, progress, should_stop)
             history, stages = history + found.history, stages + 1
             points = found.points
             if outcome.status is not Status.CONVERGED or found.status is Status.CONVERGED:

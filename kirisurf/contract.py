@@ -8,6 +8,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import breadth_first_order
 from scipy.sparse.linalg import splu
 
+from kirisurf.arrays import group_means
 from kirisurf.errors import UnusableError
 from kirisurf.states import Contracted
 from kirisurf.tessellation import Tessellation
@@ -45,7 +46,7 @@ def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_s
     t, w = tessellation.n_tiles, tessellation.n_welded
     corners = weld[indices]
     sizes = np.bincount(owner, minlength=t).astype(float)
-    middles = _means(flat, owner, t)
+    middles = group_means(flat, owner, t)
     centered = flat - middles[owner]
     # eliminating translations leaves the Laplacian of the graph tile - welded vertex
     incidence = coo_matrix((np.ones(len(corners)), (owner, corners)), shape=(t, w)).tocsr()
@@ -54,7 +55,7 @@ def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_s
     laplacian = laplacian - incidence.T @ incidence.multiply(1.0 / sizes[:, None])
     free = np.arange(1, w)
     factor = splu(laplacian[free][:, free].tocsc())
-    welded = _means(placed, corners, w)
+    welded = group_means(placed, corners, w)
     for _ in range(max_steps):
         turned = _turned(centered, welded[corners], owner, t)
         right = np.stack([np.bincount(corners, turned[:, i], w) for i in range(2)], axis=1)
@@ -66,10 +67,10 @@ def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_s
         if moved <= 1e-14 * np.ptp(welded):
             break
     turned = _turned(centered, welded[corners], owner, t)
-    rigid = turned + _means(welded[corners], owner, t)[owner]
-    vertices = _means(rigid, indices, tessellation.n_vertices)
+    rigid = turned + group_means(welded[corners], owner, t)[owner]
+    vertices = group_means(rigid, indices, tessellation.n_vertices)
     aligned = _aligned(vertices, tessellation.contracted)
-    copies = _means(aligned, weld, w)
+    copies = group_means(aligned, weld, w)
     return Contracted(points=aligned, gap=np.linalg.norm(aligned - copies[weld], axis=1))
 
 
@@ -141,15 +142,10 @@ def _following(tessellation: Tessellation) -> np.ndarray:
 
 def _depth_score(tessellation: Tessellation) -> np.ndarray:
     """Closeness of every tile to the middle of the standard contracted layout."""
-    middle = _means(
+    middle = group_means(
         tessellation.contracted[tessellation.tiles.indices], tessellation.tiles.owners, tessellation.n_tiles
     )
     return -np.round(np.linalg.norm(middle - middle.mean(axis=0), axis=1), 9)
-
-
-def _means(values: np.ndarray, groups: np.ndarray, n: int) -> np.ndarray:
-    count = np.bincount(groups, minlength=n)[:, None]
-    return np.stack([np.bincount(groups, values[:, i], n) for i in range(values.shape[1])], axis=1) / count
 
 
 def _turned(centered: np.ndarray, goal: np.ndarray, owner: np.ndarray, t: int) -> np.ndarray:

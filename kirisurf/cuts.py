@@ -118,7 +118,7 @@ def cuts(
     """
     points = welded_points(tessellation, checked(contracted, "contracted points", (tessellation.n_vertices, 2)))
     paths = slit_paths(tessellation)
-    outline, openings = contours(tessellation, points)
+    outline, openings = contours(tessellation)
     ends = [end for path in paths for end in _hinge_ends(path)]
     lengths = np.array([np.linalg.norm(points[inner] - points[vertex]) for vertex, inner, _ in ends])
     width = _checked_width(hinge_width, tessellation, points, lengths)

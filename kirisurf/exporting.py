@@ -11,7 +11,7 @@ import numpy as np
 
 from kirisurf.dxf import dxf_text
 from kirisurf.errors import ParameterError
-from kirisurf.fabrication import Fabrication, Placement, cut_lines, solid_part
+from kirisurf.fabrication import Fabrication, SheetPlace, cut_lines, solid_part
 from kirisurf.formats import write_obj, write_vtp
 from kirisurf.formats.atomic import write_bytes, write_text
 from kirisurf.formats.stl import stl_bytes
@@ -78,14 +78,14 @@ class Exported:
     Attributes
     ----------
     path : Path
-    placement : Placement or None
+    placement : SheetPlace or None
         Scale, turn and size of a cutting file or solid.
     warnings : tuple of str
         What is not as it was asked for.
     """
 
     path: Path
-    placement: Placement | None = None
+    placement: SheetPlace | None = None
     warnings: tuple[str, ...] = ()
 
 

@@ -84,7 +84,7 @@ class Fabrication:
 
 
 @dataclass(frozen=True)
-class Placement:
+class SheetPlace:
     """Where the pattern lies on the sheet.
 
     Attributes
@@ -101,7 +101,7 @@ class Placement:
     size: tuple[float, float]
 
 
-def cut_lines(run: Run, making: Fabrication) -> tuple[Cuts, Placement]:
+def cut_lines(run: Run, making: Fabrication) -> tuple[Cuts, SheetPlace]:
     """Return the cut lines of a run as they are made; on a sheet, in its middle, the sheet's corner at 0.
 
     Raises
@@ -121,10 +121,10 @@ def cut_lines(run: Run, making: Fabrication) -> tuple[Cuts, Placement]:
             _width(run, making, factor),
             kerf,
         )
-    return lines, Placement(factor, turned, size)
+    return lines, SheetPlace(factor, turned, size)
 
 
-def solid_part(run: Run, making: Fabrication) -> tuple[Solid, Placement]:
+def solid_part(run: Run, making: Fabrication) -> tuple[Solid, SheetPlace]:
     """Return the run's flat sheet as a solid; raises as :func:`cut_lines` and :func:`kirisurf.solid.solid`."""
     if making.thickness is None:
         raise ParameterError("--thickness: expected a number above 0 for a solid, got none")
@@ -134,7 +134,7 @@ def solid_part(run: Run, making: Fabrication) -> tuple[Solid, Placement]:
     made = solid(run.tessellation, points, making.thickness, width, making.hinge_thickness, making.gap)
     if made.n_pieces > 1:
         made = replace(made, warnings=(*made.warnings, f"The solid falls into {made.n_pieces} pieces."))
-    return made, Placement(factor, turned, size)
+    return made, SheetPlace(factor, turned, size)
 
 
 def quarter_turned(points: np.ndarray) -> np.ndarray:
@@ -150,7 +150,7 @@ def _width(run: Run, making: Fabrication, factor: float) -> float:
 def _placed(run: Run, making: Fabrication, kerf: float) -> tuple[float, bool, tuple[float, float]]:
     """Scale, turn and size (kerf included) of the pattern on its sheet."""
     points = welded_points(run.tessellation, run.contracted)
-    rim = points[contours(run.tessellation, points)[0]]
+    rim = points[contours(run.tessellation)[0]]
     unit = 1.0 if making.scale == LARGEST else float(making.scale)
     extent = _size(rim)
     # What the kerf adds does not scale: half a kerf of compensation and half a kerf of the cut on every side.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
+from kirisurf.arrays import group_means
 from kirisurf.flattening import Flattening
 from kirisurf.placement import Placement
 from kirisurf.tessellation import Tessellation
@@ -51,10 +52,7 @@ def lay_quads(
     turn = size[:, None, None] * np.stack([np.stack([cosine, -sine], 1), np.stack([sine, cosine], 1)], 1)
     offsets = np.einsum("tij,tkj->tki", turn, tessellation.contracted[tiles] - centers[:, None])
     corners = (centers[:, None] + offsets) @ placement.matrix.T + placement.origin
-    n = tessellation.n_vertices
-    count = np.bincount(tiles.ravel(), minlength=n)[:, None]
-    flat = np.stack([np.bincount(tiles.ravel(), corners[..., i].ravel(), n) for i in range(2)], axis=1) / count
-    return flattening.lift(flat)
+    return flattening.lift(group_means(corners.reshape(-1, 2), tiles.ravel(), tessellation.n_vertices))
 
 
 def tile_centers(tessellation: Tessellation, placement: Placement) -> Float[np.ndarray, "t 2"]:

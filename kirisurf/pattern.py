@@ -7,6 +7,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from kirisurf.arrays import group_means
 from kirisurf.derive import derive_tessellation
 from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
@@ -48,12 +49,7 @@ def tile_pattern(cell: UnitCell, mask: np.ndarray) -> Tessellation:
 
     vertex = _coincident(np.hstack([deployed, contracted]))
     n = int(vertex.max()) + 1
-    counts = np.bincount(vertex, minlength=n).astype(float)[:, None]
-
-    def merged(points: np.ndarray) -> np.ndarray:
-        return np.stack([np.bincount(vertex, points[:, i], n) for i in range(2)], axis=1) / counts
-
-    deployed, contracted = merged(deployed), merged(contracted)
+    deployed, contracted = group_means(deployed, vertex, n), group_means(contracted, vertex, n)
     return derive_tessellation(
         deployed,
         contracted,

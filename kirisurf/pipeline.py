@@ -21,9 +21,10 @@ from kirisurf.layout import Layout
 from kirisurf.problem import Problem
 from kirisurf.quadric_blend import QuadricBlend
 from kirisurf.scaling import Frame, median_edge, unit_scale
-from kirisurf.sizes import are_sound, slit_openings, tile_edges
+from kirisurf.sizes import slit_openings, tile_edges
 from kirisurf.solvers.choice import default_steps, make_solver
 from kirisurf.solvers.outcome import Limits
+from kirisurf.soundness import are_sound
 from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
 from kirisurf.states import Contracted, Fit, Step
@@ -136,7 +137,7 @@ def fit_surface(
         frame = finest.frame
         outcome, note = solve_cascade(below, finest, progress, should_stop)
     else:
-        frame, formulate, continuation = _formulated(surface, start.tessellation, start.points, spec, left())
+        frame, formulate, continuation = _formulated(surface, start.tessellation, start.points, spec, left)
         outcome, note = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
     solved = clock()
     points = frozen(frame.back(outcome.points))
@@ -159,11 +160,11 @@ def _is_free(spec: FitSpec) -> bool:
 
 
 def _level(surface: Surface, layout: Layout, spec: FitSpec, left: Callable[[], Limits]) -> Level:
-    return Level(layout, *_formulated(surface, layout.tessellation, layout.points, spec, left()))
+    return Level(layout, *_formulated(surface, layout.tessellation, layout.points, spec, left))
 
 
 def _formulated(
-    surface: Surface, tessellation: Tessellation, points: np.ndarray, spec: FitSpec, limits: Limits
+    surface: Surface, tessellation: Tessellation, points: np.ndarray, spec: FitSpec, left: Callable[[], Limits]
 ) -> tuple[Frame, Formulate, Continuation]:
     """The frame of a start (n, 3), its problems, and the way they are solved."""
     frame, scaled = unit_scale(surface, tessellation, points)
@@ -189,7 +190,7 @@ def _formulated(
 
     sound = partial(are_sound, tessellation)
     solver = partial(make_solver, spec.solver)
-    return frame, formulate, Continuation(solver, limits, sufficiency, sound, spec.max_steps is None)
+    return frame, formulate, Continuation(solver, left, sufficiency, sound, spec.max_steps is None)
 
 
 def require_memory(spec: FitSpec) -> None:

@@ -156,7 +156,7 @@ def _parts(
 
     Kind 2 is a tile, 1 a ligament. All lines are noded together, so that neighbors share corners exactly.
     """
-    outline, openings = contours(tessellation, points)
+    outline, openings = contours(tessellation)
     sheet = Polygon(points[outline], [points[loop] for loop in openings])
     cut, full = (MultiLineString(list(lines)).buffer(0.5 * gap, quad_segs=_ARC_SEGMENTS) for lines in (slits, whole))
     lines = shapely.union_all([sheet.boundary, cut.boundary, full.boundary], grid_size=grid)

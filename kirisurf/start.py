@@ -22,7 +22,7 @@ LEAST_STRETCH, MOST_STRETCH = 1.05, 1.40
 
 MOST_SPREAD = 3.5
 """Largest ratio of stretches over a target that tiles of different sizes were seen to follow: of 28 surfaces those
-up to 3.1 were solved, those from 4.7 on were not."""
+up to 3.1 were solved (but for one with strips narrower than its tiles), those from 4.7 on were not."""
 
 LEAST_OVERLAP = 0.75
 """Part of the area, common to sheet and outline, below which the outline is said to be too narrow for the tiles."""

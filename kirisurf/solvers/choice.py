@@ -10,8 +10,16 @@ from kirisurf.problem import Problem
 from kirisurf.solvers.interior_point import InteriorPoint
 from kirisurf.solvers.ipopt import Ipopt
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
-from kirisurf.solvers.scipy_peers import ScipyPeer
+from kirisurf.solvers.rounds import Method, Peer
+from kirisurf.solvers.scipy_peers import ScipyMethod
 from kirisurf.solvers.uno import Uno
+
+METHODS: dict[str, Method] = {
+    "slsqp": ScipyMethod("slsqp"),
+    "trust-constr": ScipyMethod("trust-constr"),
+    "ipopt": Ipopt(),
+    "uno": Uno(),
+}
 
 
 @runtime_checkable
@@ -37,10 +45,4 @@ def default_steps(name: str) -> int:
 
 def make_solver(name: str, limits: Limits) -> Solver:
     """Return the solver of a name: auto and newton are the project's own, the others peers for comparison."""
-    if name in ("slsqp", "trust-constr"):
-        return ScipyPeer(name, limits)
-    if name == "ipopt":
-        return Ipopt(limits)
-    if name == "uno":
-        return Uno(limits)
-    return InteriorPoint(limits)
+    return Peer(METHODS[name], limits) if name in METHODS else InteriorPoint(limits)

@@ -25,10 +25,20 @@ from kirisurf.problem import Problem
 from kirisurf.solvers.assembly import Assembly
 from kirisurf.solvers.direction import NewtonSystem
 from kirisurf.solvers.filter import Filter
-from kirisurf.solvers.line_search import LineSearch, longest_displacement, step_fraction
+from kirisurf.solvers.line_search import LineSearch, step_fraction
 from kirisurf.solvers.linearization import Linearization, stencils
 from kirisurf.solvers.multifrontal import Symbolic
-from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
+from kirisurf.solvers.outcome import (
+    HONEST,
+    MOST_RENEWALS,
+    Limits,
+    Outcome,
+    Progress,
+    Refresh,
+    ShouldStop,
+    agree,
+    longest_displacement,
+)
 from kirisurf.solvers.restoration import restore
 from kirisurf.states import Step
 from kirisurf.status import Status
@@ -87,8 +97,8 @@ class InteriorPoint:
     last_barrier: float = 1e-4
     gauss_newton_above: float = 0.1
     freeze_below: float = 0.05
-    max_refreezes: int = 20
-    honest_model: float = 0.02
+    max_refreezes: int = MOST_RENEWALS
+    honest_model: float = HONEST
     reach: float = 0.5
 
     def solve(
@@ -207,8 +217,7 @@ class InteriorPoint:
 
     def _is_honest(self, renewed: Linearization, at: Linearization) -> bool:
         """Does the renewed model of the target agree with the frozen one at the solution?"""
-        same = abs(renewed.objective - at.objective) <= self.honest_model * abs(at.objective) + 1e-14
-        return same and self._holds(renewed)
+        return agree(renewed.objective, at.objective, self.honest_model) and self._holds(renewed)
 
     def _holds(self, at: Linearization) -> bool:
         """Do the equalities hold?"""

@@ -9,8 +9,8 @@ import numpy as np
 from kirisurf.problem import Problem
 from kirisurf.solvers.callbacks import INFINITY, SparseProgram
 from kirisurf.solvers.optional import library
-from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
-from kirisurf.solvers.rounds import Recorder, solve_in_rounds
+from kirisurf.solvers.outcome import Limits
+from kirisurf.solvers.rounds import Recorder
 from kirisurf.status import Status
 
 OPTIONS: dict[str, int | float | str] = {
@@ -36,25 +36,9 @@ _OUT_OF_MEMORY = -102
 class Ipopt:
     """IPOPT with exact sparse derivatives and the linear solver that comes with the library (MUMPS)."""
 
-    limits: Limits
-
-    def solve(
-        self,
-        problem: Problem,
-        start: np.ndarray,
-        refresh: Refresh | None = None,
-        progress: Progress | None = None,
-        should_stop: ShouldStop | None = None,
-    ) -> Outcome:
-        """Solve with the model of the target frozen, then again with it renewed, until the two agree.
-
-        Raises
-        ------
-        ParameterError
-            Where ipyopt is not installed.
-        """
+    def require(self, n: int) -> None:
+        """Raise a ParameterError where ipyopt is not installed."""
         library("ipopt")
-        return solve_in_rounds(self, self.limits, problem, start, refresh, progress, should_stop)
 
     def minimize(
         self, problem: Problem, x: np.ndarray, limits: Limits, recorder: Recorder

@@ -10,6 +10,7 @@ from kirisurf.problem import Problem
 from kirisurf.solvers.direction import Direction, NewtonSystem
 from kirisurf.solvers.filter import Filter
 from kirisurf.solvers.linearization import Linearization
+from kirisurf.solvers.outcome import longest_displacement
 
 ARMIJO = 1e-8
 SMALLEST_PART = 0.01
@@ -72,11 +73,6 @@ def step_fraction(values: np.ndarray, change: np.ndarray, barrier: float) -> flo
     shrinking = change < 0
     keep = max(0.99, 1 - barrier)
     return float(min(1.0, (-keep * values[shrinking] / change[shrinking]).min(initial=np.inf)))
-
-
-def longest_displacement(displacements: np.ndarray) -> float:
-    """Largest length of the displacements (3 n,) or (n, 3) of vertices, whatever the directions of the axes."""
-    return float(np.sqrt((displacements.reshape(-1, 3) ** 2).sum(axis=1).max(initial=0.0)))
 
 
 class LineSearch:

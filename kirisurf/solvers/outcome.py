@@ -49,6 +49,22 @@ class Limits:
     max_seconds: float = float("inf")
 
 
+MOST_RENEWALS = 20
+"""How often a converged solve goes on with a renewed model of the target."""
+HONEST = 0.02
+"""Relative difference of the objective below which the renewed model says what the frozen one said."""
+
+
+def agree(renewed: float, frozen: float, honest: float = HONEST) -> bool:
+    """Are the objectives of a renewed and of a frozen model of the target the same at a solution?"""
+    return abs(renewed - frozen) <= honest * abs(frozen) + 1e-14
+
+
+def longest_displacement(displacements: np.ndarray) -> float:
+    """Largest length of the displacements (3 n,) or (n, 3) of vertices, whatever the directions of the axes."""
+    return float(np.sqrt((displacements.reshape(-1, 3) ** 2).sum(axis=1).max(initial=0.0)))
+
+
 Progress = Callable[[Step], None]
 ShouldStop = Callable[[], bool]
 Refresh = Callable[[np.ndarray], Problem]

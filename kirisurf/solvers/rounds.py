@@ -8,20 +8,26 @@ from __future__ import annotations
 
 import time
 from abc import abstractmethod
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from kirisurf.problem import Problem
-from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
+from kirisurf.solvers.outcome import (
+    MOST_RENEWALS,
+    Limits,
+    Outcome,
+    Progress,
+    Refresh,
+    ShouldStop,
+    agree,
+    longest_displacement,
+)
 from kirisurf.states import Step
 from kirisurf.status import Status
 
-MOST_ROUNDS = 20
-SAME = 0.02
-"""Relative difference of the objective below which the renewed model says what the frozen one said."""
 RIGID = 1e-9
 """What a general solver is let off with, where the tolerance is smaller: it measures its rows in its own way."""
 
@@ -64,7 +70,7 @@ class Recorder:
             self.problem.violations(points),
             self.problem.objective(points),
             float(optimality),
-            float(np.abs(points - before).max()),
+            longest_displacement(points - before),
             time.perf_counter() - self._began,
         )
         self.history.append(step)
@@ -87,7 +93,11 @@ class Recorder:
 
 @runtime_checkable
 class Method(Protocol):
-    """A general solver of problems whose model of the target stays as it is."""
+    """A general solver of problems whose model of the target stays as it is; configuration only."""
+
+    @abstractmethod
+    def require(self, n: int) -> None:
+        """Raise a ParameterError where the method cannot treat n unknowns, or is not installed."""
 
     @abstractmethod
     def minimize(
@@ -96,49 +106,68 @@ class Method(Protocol):
         """Return the last point (3 n,) and how it was reached, from a start x (3 n,)."""
 
 
-def solve_in_rounds(
-    method: Method,
-    limits: Limits,
-    problem: Problem,
-    start: np.ndarray,
-    refresh: Refresh | None = None,
-    progress: Progress | None = None,
-    should_stop: ShouldStop | None = None,
-) -> Outcome:
-    """Solve until the model of the target, renewed at the solution, agrees with the one that was solved with.
+@dataclass(frozen=True)
+class Peer:
+    """A general solver for a fit, beside the project's own.
 
-    BLAS runs on one thread meanwhile, as for the project's own method.
+    Attributes
+    ----------
+    method : Method
+    limits : Limits
     """
-    recorder = Recorder(problem, limits, progress, should_stop)
-    points, status = start, Status.STEP_LIMIT
-    going = recorder.record(start.ravel())
-    for _ in range(MOST_ROUNDS if going else 0):
-        left = limits.max_steps - len(recorder.history) + 1
-        if left < 1:
-            status = Status.STEP_LIMIT
-            break
-        with threadpool_limits(1):
-            x, status = method.minimize(recorder.problem, points.ravel(), replace(limits, max_steps=left), recorder)
-        if recorder.failure is not None:
-            # no longer held here: the solver's own objects, which no garbage collector sees, would keep it for ever
-            failure, recorder.failure = recorder.failure, None
-            raise failure
-        if not np.isfinite(x).all():
-            status = Status.NOT_FINITE
-            break
-        points = x.reshape(-1, 3)
-        if status is not Status.CONVERGED or refresh is None:
-            break
-        renewed = refresh(points)
-        old, new = recorder.problem.objective(points), renewed.objective(points)
-        recorder.problem = renewed
-        if abs(new - old) <= SAME * abs(old) + 1e-14 and _worst(renewed, points) <= max(limits.tolerance, RIGID):
-            break
-    if recorder.stopped is not None:
-        status = recorder.stopped
-    if status is Status.CONVERGED and _worst(recorder.problem, points) > max(limits.tolerance, RIGID):
-        status = Status.STALLED
-    return Outcome(points, status, tuple(recorder.history))
+
+    method: Method
+    limits: Limits
+
+    def solve(
+        self,
+        problem: Problem,
+        start: np.ndarray,
+        refresh: Refresh | None = None,
+        progress: Progress | None = None,
+        should_stop: ShouldStop | None = None,
+    ) -> Outcome:
+        """Solve until the model of the target, renewed at the solution, agrees with the one that was solved with.
+
+        BLAS runs on one thread meanwhile, as for the project's own method.
+
+        Raises
+        ------
+        ParameterError
+            Where the method cannot treat the problem, or is not installed.
+        """
+        self.method.require(start.size)
+        recorder = Recorder(problem, self.limits, progress, should_stop)
+        points, status = start, Status.STEP_LIMIT
+        going = recorder.record(start.ravel())
+        for _ in range(MOST_RENEWALS if going else 0):
+            left = self.limits.max_steps - len(recorder.history) + 1
+            if left < 1:
+                status = Status.STEP_LIMIT
+                break
+            with threadpool_limits(1):
+                limits = replace(self.limits, max_steps=left)
+                x, status = self.method.minimize(recorder.problem, points.ravel(), limits, recorder)
+            if recorder.failure is not None:
+                # no longer held here: the solver's own objects, which no garbage collector sees, would keep it for ever
+                failure, recorder.failure = recorder.failure, None
+                raise failure
+            if not np.isfinite(x).all():
+                status = Status.NOT_FINITE
+                break
+            points = x.reshape(-1, 3)
+            if status is not Status.CONVERGED or refresh is None:
+                break
+            renewed = refresh(points)
+            same = agree(renewed.objective(points), recorder.problem.objective(points))
+            recorder.problem = renewed
+            if same and _worst(renewed, points) <= max(self.limits.tolerance, RIGID):
+                break
+        if recorder.stopped is not None:
+            status = recorder.stopped
+        if status is Status.CONVERGED and _worst(recorder.problem, points) > max(self.limits.tolerance, RIGID):
+            status = Status.STALLED
+        return Outcome(points, status, tuple(recorder.history))
 
 
 def _worst(problem: Problem, points: np.ndarray) -> float:

@@ -13,8 +13,8 @@ from scipy.sparse import csr_matrix, vstack
 from kirisurf.block import Block
 from kirisurf.errors import ParameterError
 from kirisurf.problem import Problem
-from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
-from kirisurf.solvers.rounds import Recorder, solve_in_rounds
+from kirisurf.solvers.outcome import Limits
+from kirisurf.solvers.rounds import Recorder
 from kirisurf.status import Status
 
 MAX_VARIABLES = {"slsqp": 700, "trust-constr": 3000}
@@ -31,33 +31,18 @@ class _Stopped(Exception):
 
 
 @dataclass(frozen=True)
-class ScipyPeer:
-    """One of SciPy's general solvers; `method` is slsqp or trust-constr."""
+class ScipyMethod:
+    """One of SciPy's general solvers; `name` is slsqp or trust-constr."""
 
-    method: str
-    limits: Limits
+    name: str
 
-    def solve(
-        self,
-        problem: Problem,
-        start: np.ndarray,
-        refresh: Refresh | None = None,
-        progress: Progress | None = None,
-        should_stop: ShouldStop | None = None,
-    ) -> Outcome:
-        """Solve with the model of the target frozen, then again with it renewed, until the two agree.
-
-        Raises
-        ------
-        ParameterError
-            Where the problem is larger than the method can treat.
-        """
-        if start.size > MAX_VARIABLES[self.method]:
+    def require(self, n: int) -> None:
+        """Raise a ParameterError where the problem is larger than the method can treat."""
+        most = MAX_VARIABLES[self.name]
+        if n > most:
             raise ParameterError(
-                f"--solver {self.method}: expected at most {MAX_VARIABLES[self.method]} unknowns, got {start.size}; "
-                "use --solver auto, or fewer tiles"
+                f"--solver {self.name}: expected at most {most} unknowns, got {n}; use --solver auto, or fewer tiles"
             )
-        return solve_in_rounds(self, self.limits, problem, start, refresh, progress, should_stop)
 
     def minimize(
         self, problem: Problem, x: np.ndarray, limits: Limits, recorder: Recorder
@@ -77,9 +62,9 @@ class ScipyPeer:
                 result = self._minimize(problem, x, limits.max_steps, report)
         except _Stopped:
             return last, Status.INTERRUPTED
-        if result.status in _CONVERGED[self.method]:
+        if result.status in _CONVERGED[self.name]:
             return result.x, Status.CONVERGED
-        return result.x, Status.STEP_LIMIT if result.status == _STEP_LIMIT[self.method] else Status.STALLED
+        return result.x, Status.STEP_LIMIT if result.status == _STEP_LIMIT[self.name] else Status.STALLED
 
     def _minimize(self, problem: Problem, x: np.ndarray, max_steps: int, record: Callable[..., None]) -> OptimizeResult:
         def objective(v: np.ndarray) -> float:
@@ -100,7 +85,7 @@ class ScipyPeer:
         def open_slopes(v: np.ndarray) -> csr_matrix:
             return jacobian_of(problem.inequalities, v.reshape(-1, 3))
 
-        if self.method == "slsqp":
+        if self.name == "slsqp":
             constraints = [
                 {"type": "eq", "fun": rows, "jac": lambda v: slopes(v).toarray()},
                 {"type": "ineq", "fun": open_rows, "jac": lambda v: open_slopes(v).toarray()},

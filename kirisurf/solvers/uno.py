@@ -9,8 +9,8 @@ import numpy as np
 from kirisurf.problem import Problem
 from kirisurf.solvers.callbacks import SparseProgram
 from kirisurf.solvers.optional import library
-from kirisurf.solvers.outcome import Limits, Outcome, Progress, Refresh, ShouldStop
-from kirisurf.solvers.rounds import Recorder, solve_in_rounds
+from kirisurf.solvers.outcome import Limits
+from kirisurf.solvers.rounds import Recorder
 from kirisurf.status import Status
 
 _ENDED = {"ITERATION_LIMIT": Status.STEP_LIMIT, "TIME_LIMIT": Status.TIME_LIMIT, "EVALUATION_ERROR": Status.NOT_FINITE}
@@ -24,31 +24,15 @@ class Uno:
 
     Attributes
     ----------
-    limits : Limits
     preset : str
         Uno's combination of building blocks: ipopt (interior point, MUMPS) or filtersqp (trust region, BQPD).
     """
 
-    limits: Limits
     preset: str = "ipopt"
 
-    def solve(
-        self,
-        problem: Problem,
-        start: np.ndarray,
-        refresh: Refresh | None = None,
-        progress: Progress | None = None,
-        should_stop: ShouldStop | None = None,
-    ) -> Outcome:
-        """Solve with the model of the target frozen, then again with it renewed, until the two agree.
-
-        Raises
-        ------
-        ParameterError
-            Where unopy is not installed.
-        """
+    def require(self, n: int) -> None:
+        """Raise a ParameterError where unopy is not installed."""
         library("uno")
-        return solve_in_rounds(self, self.limits, problem, start, refresh, progress, should_stop)
 
     def minimize(
         self, problem: Problem, x: np.ndarray, limits: Limits, recorder: Recorder

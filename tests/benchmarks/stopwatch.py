@@ -16,16 +16,16 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 PARTS = ("evaluate", "assemble", "symbolic", "factor", "substitute", "rest")
-SOLVERS = ("InteriorPoint", "ScipyPeer", "Ipopt", "Uno")
+SOLVERS = ("InteriorPoint", "Peer")
 METHODS = {
     "evaluate": {
         "Problem": ("objective", "gradient", "equality_rows", "inequality_rows", "violations"),
         "Linearization": ("at", "renewed", "_at"),
-        "ClosestPointMap": ("project",),
+        "Scaled": ("project",),
     },
     "assemble": {
         "Linearization": ("hessian",),
-        "Assembly": ("__init__", "hessian", "normal", "shifted", "matrix", "jacobian"),
+        "Assembly": ("__init__", "hessian", "normal", "shift", "matrix", "jacobian"),
     },
     "symbolic": {"Symbolic": ("__init__",)},
     "factor": {"Cholesky": ("__init__",)},
@@ -36,6 +36,7 @@ BLOCKS = ("residual", "jacobian", "curvature")
 """Methods of the blocks, all of which count as evaluation."""
 NEEDED = (
     "InteriorPoint.solve",
+    "Scaled.project",
     "Linearization.at",
     "Linearization.hessian",
     "Assembly.hessian",

@@ -139,7 +139,7 @@ def test_clearance_follows_its_formula() -> None:
 def test_contours_of_a_sheet_with_an_opening() -> None:
     tessellation = pattern("opening")
     points = welded_points(tessellation, tessellation.contracted)
-    outline, others = contours(tessellation, points)
+    outline, others = contours(tessellation)
     assert signed_area(points[outline]) == pytest.approx(16.0)
     assert [signed_area(points[loop]) for loop in others] == pytest.approx([-2.0])
 

@@ -16,7 +16,7 @@ from kirisurf.constraints.surface import OnSurface
 from kirisurf.corner_angle import CornerAngles
 from kirisurf.pattern import quad_pattern
 from kirisurf.projection import Projection
-from kirisurf.sizes import are_convex
+from kirisurf.soundness import are_convex
 from tests.kirisurf.block_laws import bumpy_sheet, check_block
 
 

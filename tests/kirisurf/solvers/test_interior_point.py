@@ -13,10 +13,10 @@ from kirisurf.objective.proximity import Proximity
 from kirisurf.pattern import quad_pattern
 from kirisurf.problem import Problem, Term
 from kirisurf.scaling import unit_scale
+from kirisurf.solvers.choice import make_solver
 from kirisurf.solvers.filter import Filter
 from kirisurf.solvers.interior_point import InteriorPoint
 from kirisurf.solvers.outcome import Limits
-from kirisurf.solvers.scipy_peers import ScipyPeer
 from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
 from kirisurf.states import Step
@@ -36,7 +36,7 @@ def test_scipy_finds_the_same_minimum(method: str) -> None:
     made, start = formulation("paraboloid", 1 if method == "trust-constr" else 2)
     problem = made.problem_at(start)
     ours = InteriorPoint(Limits(), last_barrier=1e-9).solve(problem, start)
-    theirs = ScipyPeer(method, Limits(max_steps=600)).solve(problem, start)
+    theirs = make_solver(method, Limits(max_steps=600)).solve(problem, start)
     assert ours.status is Status.CONVERGED
     assert max(problem.violations(theirs.points).values()) < 1e-7
     assert problem.objective(ours.points) == pytest.approx(problem.objective(theirs.points), rel=1e-4)
