@@ -44,7 +44,7 @@ $(READY):
 constraints:
 	@rm -rf build/pins
 	@python3 -m venv build/pins
-	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test,peers]' hatchling editables
+	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test,peers,desktop]' hatchling editables
 	@{ sed -n '/^#/p' constraints.txt; build/pins/bin/python -m pip freeze --exclude-editable; } > build/constraints.txt
 	@mv build/constraints.txt constraints.txt
 	@rm -rf build/pins

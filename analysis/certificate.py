@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from analysis import accuracy, polygons, rigidity
-from analysis.coverage import measure_coverage
+from analysis import rigidity
 from analysis.finding import NOTHING, Finding
-from analysis.intersections import crossing_pairs
-from analysis.layout import Layout, measure_layout
-from analysis.limits import ROWS, TARGET_ROWS, merged_limits, sentences
-from analysis.openings import find_openings
+from analysis.layout import measure_layout
+from analysis.limits import OUTLINE_ROWS, ROWS, TARGET_ROWS, merged_limits, sentences
+from analysis.rows import outline_row, ring_rows, slit_rows, target_rows, tile_names, tile_rows
 from analysis.sheet import Sheet, count_pieces, read_sheet
 from kirisurf.closest import ClosestPoints
 from kirisurf.loops import Loops
 from kirisurf.surface import Surface
-from kirisurf.tessellation import Tessellation
+
+RimDistances = tuple[ArrayLike, ArrayLike]
+"""Vertices of the rim (k,) int, numbered as in the input, and their distances (k,) to a prescribed curve, units."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,15 +72,19 @@ def certify(
     weld: ArrayLike | None = None,
     limits: Mapping[str, float | int] | None = None,
     closest: ClosestPoints | None = None,
+    boundary: RimDistances | None = None,
+    contracted_boundary: RimDistances | None = None,
+    openings: bool | None = None,
 ) -> Certificate:
     """Certify a design from nothing but its two states and its tiles.
 
     Everything else (welding, slits, rings, holes, the outline) is derived from the arrays here, so that the
     certificate of arrays read back from files tells whether the files are right.
 
-    A row that nothing could be checked against is None, and the design then fails. Two exceptions: `loop` is
-    None wherever the contracted sheet has no designed opening (quads, kagome), and without a target the
-    target rows are None and not part of the verdict.
+    A row that nothing could be checked against is None, and the design then fails. Three exceptions: `loop` is
+    None wherever the contracted sheet has no designed opening (quads, kagome), `boundary` and
+    `contracted_boundary` where no curve is prescribed, and without a target the target rows; they are then not
+    part of the verdict.
 
     Parameters
     ----------
@@ -96,6 +100,14 @@ def certify(
         Limits that replace those of `analysis.limits.LIMITS`; they may also name entries of `extra`.
     closest : ClosestPoints, optional
         The target's closest-point tree, where one is at hand.
+    boundary : ((k,) int, (k,) float), optional
+        For a planar target: vertices of the deployed rim and their distances to the target's outline, units. The
+        row is max |distance| / L.
+    contracted_boundary : ((k,) int, (k,) float), optional
+        The same for the contracted rim and the outline prescribed for it (a rectangle, a file).
+    openings : bool, optional
+        Whether what stays open inside the contracted sheet is meant to; by default this follows from the sheet
+        (see :func:`analysis.openings.find_openings`).
 
     Raises
     ------
@@ -118,28 +130,34 @@ def certify(
     sheet = read_sheet(deployed, contracted, tiles, weld)
     tessellation = sheet.tessellation
     layout = measure_layout(sheet.plane, sheet.tiles, None if tessellation is None else tessellation.weld)
-    rows = dict.fromkeys(ROWS, NOTHING) | _tile_rows(sheet, layout)
+    rows = dict.fromkeys(ROWS, NOTHING) | tile_rows(sheet, layout)
     extra = {"flatness": _flatness(sheet)}
     designed_gap = 0.0
     if tessellation is not None:
-        rows |= _slit_rows(sheet, tessellation)
-        rows["angle"], rows["loop"], area = _ring_rows(sheet, tessellation)
+        rows |= slit_rows(sheet, tessellation)
+        rows["angle"], rows["loop"], area = ring_rows(sheet, tessellation, openings)
         designed_gap = area / layout.area if layout.area > 0 else 0.0
         extra["fold_max"] = float(rigidity.folds(sheet.local, sheet.tiles, tessellation).max(initial=0.0))
     if target is not None:
-        found, smooth = _target_rows(sheet, target, closest or ClosestPoints(target))
+        found, smooth = target_rows(sheet, target, closest or ClosestPoints(target))
         rows |= found
         extra |= smooth
+    prescribed = {"boundary": boundary, "contracted_boundary": contracted_boundary}
+    for name, distances in prescribed.items():
+        if distances is not None:
+            rows[name] = outline_row(sheet, name, *distances)
     pieces = count_pieces(sheet.tiles)
     bounds = merged_limits(limits, extra)
     judged = rows | {name: Finding(value) for name, value in extra.items()}
     judged["pieces"] = Finding(pieces)
-    judged["flipped"] = Finding(len(layout.flipped), _tile_names(layout.flipped))
+    judged["flipped"] = Finding(len(layout.flipped), tile_names(layout.flipped))
     gap = rows["gap_contracted"]
     if gap.value is not None:
         judged["gap_contracted"] = Finding(abs(gap.value - designed_gap), gap.where)
-    for name in ("loop",) if target is not None else ("loop", *TARGET_ROWS):
-        if judged[name].value is None:
+    if judged["loop"].value is None:
+        del judged["loop"]
+    for name in (*OUTLINE_ROWS, *TARGET_ROWS):
+        if (prescribed[name] if name in OUTLINE_ROWS else target) is None:
             del judged[name]
     failures = sentences(judged, bounds)
     if sheet.problem:
@@ -155,74 +173,6 @@ def certify(
     )
 
 
-def _tile_rows(sheet: Sheet, layout: Layout) -> dict[str, Finding]:
-    """The rows that need no welding."""
-    length, tiles = sheet.edge_length, sheet.tiles
-    offsets = rigidity.planar_offsets(sheet.local, tiles) / length
-    changes = rigidity.shape_changes(sheet.local, sheet.flat, tiles) / length
-    edges = polygons.edge_lengths(sheet.local, tiles) / length
-    crossing = crossing_pairs(sheet.local, tiles, length)
-    broken = f"contracted {_tile_names(layout.broken)} cross themselves" if len(layout.broken) else ""
-    pair = _tile_names(layout.overlapping[0]) if len(layout.overlapping) else ""
-    x, y = layout.gap_place
-    return {
-        "planarity": _worst(offsets, lambda k: f"tile {k}"),
-        "isometry": _worst(changes, lambda k: f"tile {k}"),
-        "min_edge": Finding(float(edges.min()), f"the edge from {sheet.place(tiles.indices[edges.argmin()])}"),
-        "intersections": Finding(len(crossing), _tile_names(crossing[0]) if len(crossing) else ""),
-        "overlap_contracted": Finding(layout.overlap, broken or pair),
-        "gap_contracted": Finding(layout.gap, broken or f"contracted point ({x:.6g}, {y:.6g})"),
-    }
-
-
-def _slit_rows(sheet: Sheet, tessellation: Tessellation) -> dict[str, Finding]:
-    rows = {"length": rigidity.edge_mismatch(sheet, tessellation), "closure": rigidity.closure(sheet, tessellation)}
-    ends = np.flatnonzero(tessellation.slit_ends)
-    opening = rigidity.openings(sheet.local, sheet.tiles, tessellation)[ends]
-    if len(ends):
-        k = int(opening.argmin())
-        rows["opening_min"] = Finding(float(opening[k]), sheet.place(tessellation.hinges[ends[k], 1]))
-    return rows
-
-
-def _ring_rows(sheet: Sheet, tessellation: Tessellation) -> tuple[Finding, Finding, float]:
-    """The angle row, the loop row, and the area of the designed openings."""
-    residuals = rigidity.ring_residuals(sheet.local, sheet.tiles, tessellation)
-    if len(residuals):
-        vertices = sheet.tiles.indices[tessellation.rings.indices[tessellation.rings.offsets[:-1]]]
-        return _worst(residuals, lambda k: sheet.place(vertices[k])), NOTHING, 0.0
-    openings = find_openings(sheet.local, tessellation)
-    return (
-        _worst(openings.angle_residuals, lambda k: sheet.place(openings.vertices[k])),
-        _worst(openings.gaps / sheet.edge_length, lambda k: sheet.place(openings.vertices[k])),
-        openings.area,
-    )
-
-
-def _target_rows(sheet: Sheet, target: Surface, closest: ClosestPoints) -> tuple[dict[str, Finding], dict[str, float]]:
-    length = sheet.edge_length
-    distances = closest.distances(sheet.points) / length
-    rows = {
-        "distance_rms": Finding(accuracy.root_mean_square(distances)),
-        "distance_max": _worst(distances, sheet.place),
-    }
-    smooth = {}
-    if target.smooth is not None:
-        apart = np.linalg.norm(sheet.points - target.smooth.project(sheet.points)[0], axis=1) / length
-        smooth["distance_smooth_rms"] = accuracy.root_mean_square(apart)
-        smooth["distance_smooth_max"] = float(apart.max())
-    if sheet.tessellation is None:
-        return rows, smooth
-    samples = accuracy.sample_uniformly(target, accuracy.N_SAMPLES)
-    reached = accuracy.distances_to_sheet(samples, sheet.points, sheet.tessellation) / length
-    rows["reach_rms"] = Finding(accuracy.root_mean_square(reached))
-    rows["reach_max"] = _worst(reached, lambda k: "the target's point ({:.6g}, {:.6g}, {:.6g})".format(*samples[k]))
-    coverage = measure_coverage(sheet.points, sheet.tessellation, closest)
-    if coverage is not None:
-        rows["coverage"], rows["coverage_strict"] = Finding(coverage.filled), Finding(coverage.strict)
-    return rows, smooth
-
-
 def _flatness(sheet: Sheet) -> float:
     """Largest distance of a contracted vertex to the best plane of all of them, over L."""
     if not np.ptp(sheet.flat[:, 2]) > 0:
@@ -230,16 +180,3 @@ def _flatness(sheet: Sheet) -> float:
     relative = sheet.flat - sheet.flat.mean(axis=0)
     across = np.linalg.svd(relative, full_matrices=False)[2][2]
     return float(np.abs(relative @ across).max() / sheet.edge_length)
-
-
-def _worst(values: np.ndarray, where: Callable[[int], str]) -> Finding:
-    """The value of largest magnitude; not a number counts as the largest."""
-    if not len(values):
-        return NOTHING
-    k = int(np.argmax(np.nan_to_num(np.abs(values), nan=np.inf)))
-    return Finding(float(np.abs(values[k])), where(k))
-
-
-def _tile_names(tiles: np.ndarray) -> str:
-    shown = ", ".join(str(k) for k in tiles[:5])
-    return f"tiles {shown}{', ...' if len(tiles) > 5 else ''}" if len(tiles) else ""

@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from analysis import polygons
-from analysis.patches import BezierPatch, HolePatches
+from analysis.bezier import BezierPatch
+from analysis.patches import HolePatches
 from kirisurf.closest import ClosestPoints
 
 # Strang and Fix: degree 5 on a triangle, 7 points; rows of barycentric coordinates, weights sum to 1

@@ -63,11 +63,8 @@ def measure_layout(plane: Float[np.ndarray, "n 2"], tiles: Loops, weld: Int[np.n
     if len(broken) or not area > 0:
         return Layout(area, None, None, np.zeros((0, 2), np.int64), np.zeros(2), flipped, broken)
 
-    pairs = _touching(plane, tiles, shapes)
-    common = shapely.area(shapely.intersection(shapes[pairs[:, 0]], shapes[pairs[:, 1]]))
-    order = np.argsort(-common, kind="stable")
-    order = order[common[order] > 1e-9 * area / len(tiles)]
-
+    pairs, common = _common_areas(plane, tiles, shapes)
+    overlapping = pairs[common > 1e-9 * area / len(tiles)]
     welded = plane if weld is None else _with_copies_joined(plane, weld, 1e-6 * np.sqrt(area / len(tiles)))
     dissolved = _shapes(welded, tiles)
     union = shapely.union_all(dissolved) if common.sum() > 1e-9 * area else shapely.coverage_union_all(dissolved)
@@ -77,7 +74,25 @@ def measure_layout(plane: Float[np.ndarray, "n 2"], tiles: Loops, weld: Int[np.n
     if len(gaps):
         point = shapely.Polygon(inner[int(gaps.argmax())]).representative_point()
         place = np.array([point.x, point.y])
-    return Layout(area, float(common.sum() / area), float(gaps.sum() / area), pairs[order], place, flipped, broken)
+    return Layout(area, float(common.sum() / area), float(gaps.sum() / area), overlapping, place, flipped, broken)
+
+
+def overlapping_tiles(plane: Float[np.ndarray, "n 2"], tiles: Loops) -> Int[np.ndarray, "m 2"]:
+    """Return the pairs of tiles of a layout that overlap, the worst first; a tile that crosses itself with itself."""
+    shapes = _shapes(plane, tiles)
+    broken = np.flatnonzero(~shapely.is_valid(shapes))
+    if len(broken):
+        return np.repeat(broken[:, None], 2, axis=1)
+    pairs, common = _common_areas(plane, tiles, shapes)
+    return pairs[common > 1e-9 * shapely.area(shapes).sum() / len(tiles)]
+
+
+def _common_areas(plane: np.ndarray, tiles: Loops, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of tiles that may overlap, and their common areas, largest first."""
+    pairs = _touching(plane, tiles, shapes)
+    common = shapely.area(shapely.intersection(shapes[pairs[:, 0]], shapes[pairs[:, 1]]))
+    order = np.argsort(-common, kind="stable")
+    return pairs[order], common[order]
 
 
 def _shapes(plane: np.ndarray, tiles: Loops) -> np.ndarray:

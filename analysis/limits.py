@@ -22,6 +22,8 @@ LIMITS: Mapping[str, float] = MappingProxyType(
         "overlap_contracted": 1e-9,
         "gap_contracted": 1e-9,
         "loop": RIGID_TOLERANCE,
+        "boundary": RIGID_TOLERANCE,
+        "contracted_boundary": RIGID_TOLERANCE,
         "min_edge": 1e-2,
         "distance_rms": 0.25,
         "distance_max": 1.0,
@@ -43,6 +45,9 @@ BESIDE = ("pieces", "flipped", "flatness")
 ROWS = tuple(name for name in LIMITS if name not in BESIDE)
 """The rows of the certificate, in their order."""
 
+OUTLINE_ROWS = ("boundary", "contracted_boundary")
+"""Judged where a curve is prescribed for the rim, deployed or contracted."""
+
 TARGET_ROWS = ("distance_rms", "distance_max", "reach_rms", "reach_max", "coverage", "coverage_strict")
 AT_LEAST = ("min_edge", "coverage", "coverage_strict")
 MORE_THAN = ("opening_min",)
@@ -58,6 +63,8 @@ _MEANINGS = {
     "overlap_contracted": "tiles overlap when the sheet is contracted",
     "gap_contracted": "the contracted sheet leaves gaps",
     "loop": "a designed opening does not close",
+    "boundary": "a vertex of the deployed rim lies off the target's outline",
+    "contracted_boundary": "a vertex of the contracted rim lies off the prescribed outline",
     "min_edge": "a tile edge has collapsed",
     "distance_rms": "the vertices are far from the target",
     "distance_max": "a vertex is far from the target",
@@ -79,6 +86,8 @@ _UNCHECKED = {
     "opening_min": "there is no slit end",
     "overlap_contracted": "a contracted tile is no simple polygon",
     "gap_contracted": "a contracted tile is no simple polygon",
+    "boundary": "no vertex of the rim was named",
+    "contracted_boundary": "no vertex of the rim was named",
     "coverage": "the target is no disk",
     "coverage_strict": "the target is no disk",
 }

@@ -1,4 +1,4 @@
-"""Designed openings: holes that a pattern keeps when it is contracted, as hexagon patterns do."""
+"""Designed openings: what a pattern keeps open when it is contracted, as hexagon patterns do."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from analysis import polygons
-from kirisurf.loops import Loops
+from analysis.rim import contracted_rim
 from kirisurf.tessellation import Tessellation
+
+REPEATS = 4
+"""Openings with equally many sides that make a design of them in a sheet that also closes round inner points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,20 +38,37 @@ class DesignedOpenings:
     vertices: Int[np.ndarray, " o"]
 
 
-def find_openings(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) -> DesignedOpenings:
-    """Return the designed openings of a sheet: inner boundary loops of a contracted sheet that has no ring.
+def find_openings(
+    points: Float[np.ndarray, "n 3"], tessellation: Tessellation, designed: bool | None = None
+) -> DesignedOpenings:
+    """Return the designed openings of a sheet: inner boundary curves of the contracted sheet.
 
-    A pattern with rings (quad, kagome) closes completely: what stays open in it is a gap, not a design.
+    The points alone do not tell a design from a fault, a tile that is missing say. Unless it is told, the judge
+    takes as designed all that stays open in a sheet without inner points that tiles close round (hexagons), and in
+    one with such points (quads, kagome) what is repeated: at least `REPEATS` openings with equally many sides.
+
+    Parameters
+    ----------
+    points : (n, 3), units
+        Deployed.
+    tessellation : Tessellation
+    designed : bool, optional
+        Whether what stays open is meant to: none of it is where False.
     """
-    loops = _inner_loops(tessellation) if not len(tessellation.rings) else []
-    tiles: Loops = tessellation.tiles
-    start, end = tiles.indices, tiles.successors
-    filled = np.bincount(tessellation.weld[start], polygons.corner_angles(points, tiles), tessellation.n_welded)
+    tiles = tessellation.tiles
+    start = tiles.indices
+    curves, angles = contracted_rim(points, tessellation)
     lengths = polygons.edge_lengths(points, tiles)
-    angle, gaps, area = [], [], 0.0
+    loops = [loop for loop in curves if np.sum(np.pi - angles[loop]) < 0]
+    if designed is None and len(tessellation.rings):
+        sizes = [len(loop) for loop in loops]
+        loops = [loop for loop in loops if sizes.count(len(loop)) >= REPEATS]
+    elif designed is False:
+        loops = []
+    residual, gaps, area = [], [], 0.0
     for loop in loops:
-        at = filled[tessellation.weld[end[loop]]]
-        angle.append(float(at.sum() - (len(loop) + 2) * np.pi))
+        at = angles[loop]
+        residual.append(float(at.sum() - (len(loop) + 2) * np.pi))
         # with the tiles on the left, the side turns at a corner by pi minus the filled angle
         turns = np.cumsum(np.pi - at)
         sides = lengths[loop] * np.exp(1j * np.r_[0.0, turns[:-1]])
@@ -57,26 +77,7 @@ def find_openings(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) 
         gaps.append(float(np.abs(sides.sum() - before + np.exp(1j * turns[-1]) * before).max()))
         area += abs(_signed_area(tessellation.contracted[start[loop]]))
     first = np.array([start[loop[0]] for loop in loops], np.int64)
-    return DesignedOpenings(np.array(angle, float), np.array(gaps, float), area, first)
-
-
-def _inner_loops(tessellation: Tessellation) -> list[np.ndarray]:
-    """Boundary loops of the contracted sheet as positions of half-edges, the outer (largest) one left out."""
-    weld, tiles = tessellation.weld, tessellation.tiles
-    start, end = weld[tiles.indices], weld[tiles.successors]
-    n = tessellation.n_welded
-    rim = np.flatnonzero(~np.isin(start * n + end, end * n + start))
-    following = dict(zip(start[rim].tolist(), rim.tolist(), strict=True))
-    loops, areas = [], []
-    while following:
-        path, here = [], next(iter(following))
-        while here in following:
-            path.append(following.pop(here))
-            here = int(end[path[-1]])
-        loops.append(np.array(path))
-        areas.append(abs(_signed_area(tessellation.contracted[tiles.indices[path]])))
-    outer = int(np.argmax(areas)) if areas else 0
-    return [loop for k, loop in enumerate(loops) if k != outer]
+    return DesignedOpenings(np.array(residual, float), np.array(gaps, float), area, first)
 
 
 def _signed_area(polygon: np.ndarray) -> float:

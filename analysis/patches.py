@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from analysis import polygons
 from analysis.bernstein import difference_matrix, tensor_rows
+from analysis.bezier import BezierPatch
 from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
 from kirisurf.tessellation import Tessellation
@@ -16,51 +17,18 @@ from kirisurf.tessellation import Tessellation
 SMOOTHING = 1e-3
 """Weight of the third differences of the control net against the vertices (both squared)."""
 
-FEWEST = 9
-"""Vertices that a patch needs."""
+SMOOTHING_OF_MANY = 1e-5
+"""The same where a hole has at least 16 vertices round it, as many as control points: they determine the cubic part
+themselves. Where they do not lie symmetric about the hole's center (octagons and squares, 18-gons and triangles), a
+weight of 1e-3 would leave an error of first order in the curvature there; this one is of second order, for 1.1 to 1.6
+times the noise."""
+
+FEWEST = 8
+"""Vertices that a patch needs: six determine a quadratic, two more average. A hole among four triangles has eight."""
 
 LARGEST_CONDITION = 50.0
 """Condition number of the six quadratic monomials at a hole's vertices above which they do not determine its
 curvature; a regular hole has about 5."""
-
-
-@dataclass(frozen=True, eq=False)
-class BezierPatch:
-    """g bicubic Bezier patches.
-
-    The control net b_ij belongs to the monomials of u (row i) and v (column j) on [0, 1]^2::
-
-        v
-        1   b03 --- b13 --- b23 --- b33
-        |    |       |       |       |
-            b02 --- b12 --- b22 --- b32
-        |    |       |       |       |
-            b01 --- b11 --- b21 --- b31
-        |    |       |       |       |
-        0   b00 --- b10 --- b20 --- b30
-             0 ------------------- 1   u
-
-    S(u, v) = sum_ij B_i(u) B_j(v) b_ij with the cubic Bernstein polynomials B_i.
-
-    Attributes
-    ----------
-    nets : (g, 4, 4, 3), units
-    """
-
-    nets: Float[np.ndarray, "g 4 4 3"]
-
-    def __len__(self) -> int:
-        return len(self.nets)
-
-    def evaluate(self, u: Float[np.ndarray, "g q"], v: Float[np.ndarray, "g q"]) -> Float[np.ndarray, "g q 3"]:
-        """Return the points of every patch at its own q parameters, units."""
-        return self.derivative(u, v, 0, 0)
-
-    def derivative(
-        self, u: Float[np.ndarray, "g q"], v: Float[np.ndarray, "g q"], order_u: int, order_v: int
-    ) -> Float[np.ndarray, "g q 3"]:
-        """Return d^(i+j) S / du^i dv^j of every patch at its own q parameters, orders up to 3."""
-        return tensor_rows(u, v, order_u, order_v) @ self.nets.reshape(len(self.nets), 16, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,21 +57,23 @@ class HolePatches:
     ill_conditioned: Bool[np.ndarray, " g"]
     residuals: Float[np.ndarray, " g"]
 
-    def sample(self, n: int) -> Float[np.ndarray, "g n n 3"]:
-        """Return a grid of points of every patch over its quadrilateral hole, units.
+    def sample(self, n: int) -> Float[np.ndarray, "g k m 3"]:
+        """Return a grid of points of every patch over its hole, units.
 
-        Point (i, j) is S at the bilinear blend of the hole's corners q_0 ... q_3 in parameters,
-        (1-s)(1-t) q_0 + s(1-t) q_1 + st q_2 + (1-s)t q_3 with s = i/(n-1), t = j/(n-1).
+        Where every hole has four corners, point (i, j) is S at the bilinear blend of the corners q_0 ... q_3 in
+        parameters, (1-s)(1-t) q_0 + s(1-t) q_1 + st q_2 + (1-s)t q_3 with s = i/(n-1), t = j/(n-1). Else it is S
+        at (1-s) c + s q(j), from the hole's center c to the point q(j) of its polygon, which starts and ends at q_0
+        and meets every corner.
 
         Parameters
         ----------
         n : int
-            Points along every side.
+            Points along every side, or from the center to the rim.
 
         Returns
         -------
-        (g, n, n, 3)
-            NaN for holes with another number of corners, and where the curvature is not determined.
+        (g, n, m, 3)
+            m = n for quadrilaterals. NaN where the curvature is not determined.
 
         Raises
         ------
@@ -112,21 +82,30 @@ class HolePatches:
         """
         if n < 2:
             raise ParameterError(f"sample: expected at least 2 points along every side, got {n}")
-        points = np.full((len(self.patches), n, n, 3), np.nan)
-        which, rows = self.corners.by_size().get(4, (np.zeros(0, np.int64), np.zeros((0, 4), np.int64)))
-        good = ~self.ill_conditioned[which]
-        which, corners = which[good], self.parameters[rows[good]]
+        sizes = self.corners.sizes
+        most = int(sizes.max(initial=4))
+        m = n if (sizes == 4).all() else 2 * most + 1
+        places = np.full((len(self.patches), n, m, 2), np.nan)
         s = np.linspace(0.0, 1.0, n)[:, None]
-        t = s.T
-        weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t]).reshape(4, n * n)
-        place = np.einsum("gcd,cq->gqd", corners, weights)
-        chosen = BezierPatch(self.patches.nets[which])
-        points[which] = chosen.evaluate(place[..., 0], place[..., 1]).reshape(-1, n, n, 3)
-        return points
+        for size, (which, rows) in self.corners.by_size().items():
+            corner = self.parameters[rows]
+            if m == n and size == 4:
+                weights = np.stack([(1 - s) * (1 - s.T), s * (1 - s.T), s * s.T, (1 - s) * s.T])
+                places[which] = np.einsum("cij,gcd->gijd", weights, corner)
+            else:
+                rim = np.einsum("jc,gcd->gjd", _round_trip(size, m), corner)
+                center = self.centers[which, None, None]
+                places[which] = center + s[:, :, None] * (rim[:, None] - center)
+        flat = places.reshape(len(places), n * m, 2)
+        points = self.patches.evaluate(flat[..., 0], flat[..., 1]).reshape(len(places), n, m, 3)
+        return np.where(self.ill_conditioned[:, None, None, None], np.nan, points)
 
 
 def fit_patches(
-    points: Float[np.ndarray, "n d"], parameters: Float[np.ndarray, "n 2"], loops: Loops, smoothing: float = SMOOTHING
+    points: Float[np.ndarray, "n d"],
+    parameters: Float[np.ndarray, "n 2"],
+    loops: Loops,
+    smoothing: float | None = None,
 ) -> Float[np.ndarray, "g 4 4 d"]:
     """Return the control nets of least-squares patches.
 
@@ -144,12 +123,14 @@ def fit_patches(
         In [0, 1]^2.
     loops : Loops
         Numbers of the points of every patch.
-    smoothing : float
-        w.
+    smoothing : float, optional
+        w; by default `SMOOTHING`, and `SMOOTHING_OF_MANY` for loops of at least 16 points.
     """
-    penalty = np.sqrt(smoothing) * _third_differences()
+    differences = _third_differences()
     nets = np.zeros((len(loops), 16, points.shape[1]))
-    for which, indices in loops.by_size().values():
+    for size, (which, indices) in loops.by_size().items():
+        weight = (SMOOTHING_OF_MANY if size >= 16 else SMOOTHING) if smoothing is None else smoothing
+        penalty = np.sqrt(weight) * differences
         rows = tensor_rows(parameters[indices, 0], parameters[indices, 1])
         system = np.concatenate([rows, np.broadcast_to(penalty, (len(which), *penalty.shape))], axis=1)
         # the pseudo-inverse also answers where points coincide; such holes are flagged elsewhere
@@ -239,6 +220,17 @@ def conditions(parameters: Float[np.ndarray, "s 2"], loops: Loops) -> Float[np.n
             values = np.linalg.svd(monomials, compute_uv=False)
             result[which] = values[:, 0] / np.maximum(values[:, -1], 1e-300)
     return result
+
+
+def _round_trip(size: int, m: int) -> np.ndarray:
+    """Weights (m, size) of a polygon's corners in m > size points along it, from corner 0 through all and back."""
+    first = np.arange(size + 1) * (m - 1) // size
+    side = np.minimum(np.searchsorted(first, np.arange(m), side="right") - 1, size - 1)
+    along = (np.arange(m) - first[side]) / (first[side + 1] - first[side])
+    weights = np.zeros((m, size))
+    np.add.at(weights, (np.arange(m), side), 1 - along)
+    np.add.at(weights, (np.arange(m), (side + 1) % size), along)
+    return weights
 
 
 def _third_differences() -> np.ndarray:

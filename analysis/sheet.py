@@ -57,9 +57,9 @@ class Sheet:
     tessellation: Tessellation | None
     problem: str = ""
 
-    def place(self, vertex: int | np.integer) -> str:
-        """Return where a vertex is, in words: its number in the file and its deployed coordinates."""
-        x, y, z = self.points[vertex]
+    def place(self, vertex: int | np.integer, contracted: bool = False) -> str:
+        """Return where a vertex is, in words: its number in the file and its coordinates, deployed unless asked."""
+        x, y, z = (self.flat if contracted else self.points)[vertex]
         return f"vertex {self.numbers[vertex]} ({x:.6g}, {y:.6g}, {z:.6g})"
 
 

@@ -31,7 +31,7 @@ FAR = 0.04
 """Root mean square distance to the target (tile edges) above which a solution is recentered."""
 MOST_RECENTERINGS = 8
 ENOUGH = 1.03
-"""Sufficiency that ends recentering; the certificate takes openings about the normals, which may be a little less."""
+"""Sufficiency that ends recentering."""
 SOFT = Weights(fairness=1e-3, proximity=0.03)
 """Weights of a recentering towards the target: tiles may differ more from their neighbors."""
 PAYS = 0.93

@@ -14,7 +14,12 @@ from kirisurf.states import Contracted
 from kirisurf.tessellation import Tessellation
 
 
-def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_steps: int = 300) -> Contracted:
+def contract(
+    tessellation: Tessellation,
+    points: Float[np.ndarray, "n 3"],
+    max_steps: int = 300,
+    like: Float[np.ndarray, "n 2"] | None = None,
+) -> Contracted:
     """Lay the tiles of a deployed sheet flat so that welded copies coincide.
 
     A spanning tree of tiles gives the start: each tile is placed by the slit edge it shares with the one
@@ -33,6 +38,8 @@ def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_s
         Deployed vertices.
     max_steps : int
         Rounds of the alternation; it stops earlier where nothing moves.
+    like : (n, 2), optional
+        Points on which the sheet is laid by a rotation and a shift; by default the standard layout, about its middle.
 
     Raises
     ------
@@ -69,7 +76,7 @@ def contract(tessellation: Tessellation, points: Float[np.ndarray, "n 3"], max_s
     turned = _turned(centered, welded[corners], owner, t)
     rigid = turned + group_means(welded[corners], owner, t)[owner]
     vertices = group_means(rigid, indices, tessellation.n_vertices)
-    aligned = _aligned(vertices, tessellation.contracted)
+    aligned = _aligned(vertices, tessellation.contracted if like is None else like, like is not None)
     copies = group_means(aligned, weld, w)
     return Contracted(points=aligned, gap=np.linalg.norm(aligned - copies[weld], axis=1))
 
@@ -158,11 +165,11 @@ def _turned(centered: np.ndarray, goal: np.ndarray, owner: np.ndarray, t: int) -
     return np.stack([result.real, result.imag], axis=1)
 
 
-def _aligned(points: np.ndarray, standard: np.ndarray) -> np.ndarray:
-    """Turn a layout like the standard one (slits along the axes) and move it to the first quadrant."""
+def _aligned(points: np.ndarray, standard: np.ndarray, in_place: bool) -> np.ndarray:
+    """Turn a layout like the standard one (slits along the axes) and move it onto it, or to the first quadrant."""
     centered, goal = points - points.mean(axis=0), standard - standard.mean(axis=0)
     z, g = centered[:, 0] + 1j * centered[:, 1], goal[:, 0] + 1j * goal[:, 1]
     turn = (np.conj(z) * g).sum()
     z = z * (turn / abs(turn))
     turned = np.stack([z.real, z.imag], axis=1)
-    return turned - turned.min(axis=0)
+    return turned + standard.mean(axis=0) if in_place else turned - turned.min(axis=0)

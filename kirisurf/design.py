@@ -23,7 +23,7 @@ from kirisurf.spec import FitSpec
 from kirisurf.states import Step
 from kirisurf.status import Status
 from kirisurf.surface import Surface
-from kirisurf.targets import load, load_with_notes, prepared, resolved, target_name
+from kirisurf.targets import load, loaded, prepared, resolved, target_name
 from kirisurf.tessellation import Tessellation
 
 if TYPE_CHECKING:
@@ -95,7 +95,9 @@ class Design:
 
         weld = None if self.status is Status.CONVERGED else self.tessellation.weld
         tiles = self.tessellation.tiles
-        return certified(self.spec, self.deployed_points, self.contracted_points, tiles, self.surface, weld)
+        prescribed = self.result.boundary, self.result.contracted_boundary
+        points, flat = self.deployed_points, self.contracted_points
+        return certified(self.spec, points, flat, tiles, self.surface, weld, prescribed)
 
     @cached_property
     def measures(self) -> Measures:
@@ -208,7 +210,7 @@ def fit(
         spec = FitSpec(target="./target.vtp", **options)
         return fit_loaded(spec, load(target), progress=progress, should_stop=should_stop)
     began = time.perf_counter()
-    surface, notes = load_with_notes(spec.target)
+    spec, surface, notes = loaded(spec)
     return fit_loaded(spec, surface, notes, time.perf_counter() - began, progress, should_stop)
 
 

@@ -22,6 +22,7 @@ from kirisurf.objective.proximity import Proximity
 from kirisurf.objective.rim import RimDistance
 from kirisurf.problem import Problem, Term
 from kirisurf.tessellation import Tessellation
+from kirisurf.triangulation import TriangulatedTiles
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,9 @@ class Formulation:
         sizes = np.unique(tessellation.tiles.sizes)
         self._rigid: list[Block] = [EqualLengths(tessellation)]
         self._rigid += [FullTurns(tessellation, int(k)) for k in np.unique(tessellation.rings.sizes)]
-        self._rigid += [FlatTiles(tessellation, int(k)) for k in sizes if k > 3]
+        diagonals = TriangulatedTiles.of(tessellation).diagonals
+        if len(diagonals):
+            self._rigid.append(FlatTiles(diagonals))
         self._inequalities: list[Block] = [OpenHinges(tessellation, margin, start)]
         if guarded:
             self._inequalities.append(FacingTiles(tessellation, start))

@@ -18,16 +18,24 @@ from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.formats import read_polygons
 from kirisurf.loops import Loops
 from kirisurf.origin import moved
+from kirisurf.outlines import Outline
+from kirisurf.prescribed import Prescribed
 from kirisurf.quadric_blend import QuadricBlend
 from kirisurf.runs.table import CENTER
 from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
 from kirisurf.targets import load
 from kirisurf.tessellation import Tessellation
+from kirisurf.unit_cells.catalog import find_cell
 
 if TYPE_CHECKING:
     from analysis.certificate import Certificate
     from analysis.measures import Measures
+
+PrescribedPair = tuple[Prescribed | None, Prescribed | None]
+
+OUTLINE_PARTS = 2000
+"""Segments along the diagonal by which an outline is measured."""
 
 _ORIGIN_LINES = 50
 
@@ -39,6 +47,7 @@ def certified(
     tiles: Loops,
     surface: Surface,
     weld: np.ndarray | None = None,
+    prescribed: PrescribedPair = (None, None),
 ) -> Certificate:
     """Certify a design from its points and tiles, by the limits that its spec asks for.
 
@@ -52,10 +61,14 @@ def certified(
     weld : (n,) int, optional
         Contracted vertex of every vertex, for a design whose copies do not coincide yet; by default it is
         found by proximity.
+    prescribed : (Prescribed or None, Prescribed or None)
+        The outlines that the deployed and the contracted sheet follow.
     """
     from analysis.certificate import certify
+    from analysis.limits import OUTLINE_ROWS
 
     limits = dict.fromkeys(("length", "angle", "planarity", "isometry", "closure", "loop"), spec.tolerance)
+    limits |= dict.fromkeys(OUTLINE_ROWS, spec.tolerance)
     limits["min_edge"] = spec.min_edge
     limits["opening_min"] = float(np.radians(spec.min_angle))
     if spec.closeness == "exact":
@@ -63,14 +76,30 @@ def certified(
         limits["distance_smooth_max"] = 1e-9
         if surface.smooth is None:
             surface = replace(surface, smooth=QuadricBlend(surface))
-    return certify(deployed, contracted, tiles, surface, weld, limits)
+    return certify(
+        deployed,
+        contracted,
+        tiles,
+        surface,
+        weld,
+        limits,
+        boundary=_followed(prescribed[0], deployed),
+        contracted_boundary=_followed(prescribed[1], contracted),
+        openings=bool(find_cell(spec.tessellation).openings),
+    )
+
+
+def _followed(prescribed: Prescribed | None, points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    return None if prescribed is None else (prescribed.vertices, prescribed.distances(points))
 
 
 def measured(tessellation: Tessellation, deployed: np.ndarray, contracted: np.ndarray, surface: Surface) -> Measures:
     """Measure a design: distances, curvatures and sizes as named fields, tables and numbers."""
     from analysis.measures import measure
 
-    return measure(tessellation, deployed, contracted, surface)
+    outline = surface.outline
+    curve = outline.polyline(outline.diagonal / OUTLINE_PARTS) if isinstance(outline, Outline) else None
+    return measure(tessellation, deployed, contracted, surface, target_outline=curve)
 
 
 def patch_points(tessellation: Tessellation, deployed: np.ndarray, n: int) -> np.ndarray:

@@ -8,21 +8,21 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from kirisurf.coarsening import coarser_placement
 from kirisurf.flattening import Flattening
-from kirisurf.guess import lay_quads, tile_centers
+from kirisurf.guess import fractions, lay_tiles, lift, tile_centers
 from kirisurf.pattern import tile_pattern
 from kirisurf.placement import Placement
+from kirisurf.regular import Regular
 from kirisurf.tessellation import Tessellation
-from kirisurf.trimming import sound_mask
-from kirisurf.unit_cell import quad_cell
 
-LEAST_OPENING, MOST_OPENING = 6.0, 84.0
-"""Range of the slits' opening in a start, in degrees; 0 is closed, 90 fully open."""
+LEAST_WAY, MOST_WAY = 1 / 15, 14 / 15
+"""Parts of the way from closed to fully open that starts keep to: slits of quads open by 6 to 84 of 90 degrees."""
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """A quad pattern on a flattening.
+    """A pattern on a flattening.
 
     Attributes
     ----------
@@ -30,31 +30,49 @@ class Layout:
     placement : Placement
     log_stretch : (v,)
         Logarithm of the planned stretch (deployed over contracted length) at every vertex of the surface.
+    regular : Regular
+        The pattern, in the state whose lattice is laid.
     """
 
     flattening: Flattening
     placement: Placement
     log_stretch: Float[np.ndarray, " v"]
+    regular: Regular
 
     @cached_property
     def tessellation(self) -> Tessellation:
-        """The pattern."""
-        return tile_pattern(quad_cell(0.5), self.placement.mask)
+        """The pattern's topology."""
+        return tile_pattern(self.regular.motion.cell, self.placement.mask)
+
+    @cached_property
+    def centers(self) -> Float[np.ndarray, "t 2"]:
+        """Flat middle of every contracted tile."""
+        return tile_centers(self.tessellation, self.placement, self.regular)
+
+    @cached_property
+    def way(self) -> Float[np.ndarray, " t"]:
+        """State of every tile, see :class:`kirisurf.motion.Motion`."""
+        motion = self.regular.motion
+        if motion.snaps:
+            # between its ends the hinges do not hold
+            return np.ones(len(self.centers))
+        stretch = np.exp(self.flattening.interpolate(self.log_stretch, self.centers))
+        return np.clip(motion.way(stretch), LEAST_WAY, MOST_WAY)
+
+    @cached_property
+    def laid(self) -> Float[np.ndarray, "n 2"]:
+        """The laid pattern on the flattening."""
+        return lay_tiles(self.tessellation, self.placement, self.regular, self.way)
 
     @cached_property
     def points(self) -> Float[np.ndarray, "n 3"]:
         """The laid pattern, in the target's units."""
-        stretch = self.flattening.interpolate(self.log_stretch, tile_centers(self.tessellation, self.placement))
-        least, most = np.radians(LEAST_OPENING), np.radians(MOST_OPENING)
-        points = lay_quads(self.tessellation, self.placement, self.flattening, stretch, least, most)
-        # tiles may be smaller than the triangles: the formula then says more than they do
-        smooth = self.flattening.surface.smooth
-        return points if smooth is None else smooth.project(points)[0]
+        return lift(self.flattening, self.laid)
 
     @cached_property
     def flat(self) -> Float[np.ndarray, "n 2"]:
         """Place of every vertex of the contracted lattice on the flattening."""
-        return self.tessellation.contracted @ self.placement.matrix.T + self.placement.origin
+        return fractions(self.tessellation, self.regular) @ self.placement.matrix.T + self.placement.origin
 
     @property
     def spacing(self) -> float:
@@ -63,24 +81,5 @@ class Layout:
 
     def coarser(self) -> Layout | None:
         """Return the layout with cells of about twice the size; None where too little of the pattern is left."""
-        mask = self.placement.mask
-        columns, rows = mask.shape[:2]
-        if mask.all():
-            size = np.array([(columns + 1) // 2, (rows + 1) // 2])
-            matrix = self.placement.matrix * (np.array([columns, rows]) / size)
-            coarse = np.ones((*size, 4), bool)
-        else:
-            matrix = 2 * self.placement.matrix
-            coarse = _halved(mask)
-            if coarse.sum() < 0.8 * mask.sum() / 4:
-                return None
-        return replace(self, placement=replace(self.placement, matrix=matrix, mask=coarse))
-
-
-def _halved(mask: np.ndarray) -> np.ndarray:
-    """Tiles (columns, rows, 4) of a lattice of half the resolution, each standing for the 2x2 tiles of a cell."""
-    columns, rows = mask.shape[:2]
-    kept = np.zeros((columns + columns % 2, rows + rows % 2), bool)
-    kept[:columns, :rows] = mask.sum(axis=2) >= 2
-    kept = sound_mask(kept)
-    return np.stack([kept[0::2, 0::2], kept[1::2, 0::2], kept[0::2, 1::2], kept[1::2, 1::2]], axis=-1)
+        placement = coarser_placement(self.placement, self.regular)
+        return None if placement is None else replace(self, placement=placement)

@@ -43,7 +43,8 @@ def moved(surface: Surface, origin: np.ndarray) -> Surface:
     if not np.any(origin):
         return surface
     smooth = None if surface.smooth is None else _Moved(surface.smooth, frozen(origin), surface.smooth.formula)
-    return replace(surface, vertices=frozen(surface.vertices - origin), smooth=smooth)
+    outline = None if surface.outline is None else surface.outline.moved(-np.asarray(origin)[:2])
+    return replace(surface, vertices=frozen(surface.vertices - origin), smooth=smooth, outline=outline)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -10,7 +10,9 @@ from jaxtyping import Bool, Float
 
 from kirisurf.errors import UnusableError
 from kirisurf.flattening import Flattening
-from kirisurf.trimming import overlap_fractions, sound_mask
+from kirisurf.regular import Regular
+from kirisurf.trimming import overlap_fractions, rectangle_mask, sound_tiles
+from kirisurf.unit_cell import quad_cell
 
 CLOSE = 1e-6
 """Relative difference below which two scores are a tie: the first candidate wins, whatever the rounding."""
@@ -34,27 +36,30 @@ Outer vertices would otherwise start exactly on the rim, where rounding decides 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """An affine map from the contracted lattice of a quad pattern to a flattening.
+    """An affine map from the lattice of a pattern to a flattening.
 
     Attributes
     ----------
     matrix : (2, 2)
-        Image of one contracted unit (two tiles).
+        Images of the translations to the next column (first column of the matrix) and the next row.
     origin : (2,)
         Image of the contracted origin.
-    mask : (columns, rows, 4) bool
+    mask : (columns, rows, tiles per cell) bool
         Tiles of the pattern.
     angle : float
         Direction of the lattice in the plane, in radians, from the long side of the outline.
     overlap : float
         Area common to lattice and outline over the area of both.
+    shape : (int, int) or None
+        Columns and rows of a rectangular sheet; None for one that is trimmed to the outline.
     """
 
     matrix: Float[np.ndarray, "2 2"]
     origin: Float[np.ndarray, " 2"]
-    mask: Bool[np.ndarray, "columns rows 4"]
+    mask: Bool[np.ndarray, "columns rows k"]
     angle: float
     overlap: float
+    shape: tuple[int, int] | None = None
 
     @property
     def n_tiles(self) -> int:
@@ -87,9 +92,13 @@ def main_direction(outline: shapely.Polygon) -> float:
 
 
 def trimmed_placement(
-    flattening: Flattening, n_tiles: int, angle: float | None = None, tolerance: float = 0.03
+    flattening: Flattening,
+    n_tiles: int,
+    angle: float | None = None,
+    tolerance: float = 0.03,
+    regular: Regular | None = None,
 ) -> Placement:
-    """Lay a square lattice of about `n_tiles` tiles on the flattening and trim it to the outline.
+    """Lay a pattern of about `n_tiles` tiles on the flattening and trim it to the outline.
 
     Parameters
     ----------
@@ -97,21 +106,24 @@ def trimmed_placement(
     n_tiles : int
     angle : float, optional
         Direction of the lattice in radians from the main direction of the outline; by default the one of
-        0, 45, 22.5 and 67.5 degrees whose trimmed lattice covers the outline best.
+        :func:`directions` whose trimmed lattice covers the outline best.
     tolerance : float
         Relative difference of the number of tiles that is good enough.
+    regular : Regular, optional
+        The pattern; by default rotating squares.
 
     Raises
     ------
     UnusableError
         Where no sheet of at least four tiles fits.
     """
+    regular = regular or Regular.of(quad_cell())
     main = main_direction(flattening.outline)
-    angles = [angle] if angle is not None else list(np.radians([0.0, 45.0, 22.5, 67.5]))
+    angles = [angle] if angle is not None else list(np.radians(directions(regular)))
     best, best_score = None, -np.inf
     for candidate in angles:
         for offset in (0.0, 0.5):
-            found = _trimmed(flattening, n_tiles, main, candidate, offset, tolerance)
+            found = _trimmed(flattening, regular, n_tiles, main, candidate, offset, tolerance)
             if found is None:
                 continue
             far = abs(found.n_tiles - n_tiles) > 2 * tolerance * n_tiles + 4
@@ -127,34 +139,59 @@ def trimmed_placement(
     return best
 
 
+def directions(regular: Regular) -> tuple[float, float, float, float]:
+    """Return the directions of a lattice that are tried, in degrees: quarters of its rotational symmetry.
+
+    Examples
+    --------
+    >>> directions(Regular.of(quad_cell()))
+    (0.0, 45.0, 22.5, 67.5)
+    """
+    period = 360.0 / regular.symmetry
+    return 0.0, 0.5 * period, 0.25 * period, 0.75 * period
+
+
 def _trimmed(
-    flattening: Flattening, n_tiles: int, main: float, angle: float, offset: float, tolerance: float
+    flattening: Flattening,
+    regular: Regular,
+    n_tiles: int,
+    main: float,
+    angle: float,
+    offset: float,
+    tolerance: float,
 ) -> Placement | None:
     """One direction and offset: the spacing is changed until the number of tiles fits."""
-    outline = flattening.outline
+    outline, motion = flattening.outline, regular.motion
     center = np.asarray(outline.centroid.coords[0])
     turn = main + angle
     frame = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    local = (np.asarray(outline.exterior.coords) - center) @ frame
+    shape = regular.lattice
+    local = (np.asarray(outline.exterior.coords) - center) @ frame @ np.linalg.inv(shape)
+    share = regular.shares
+    per_cell = len(share)
+    # the side of a square that has the area of a tile
     spacing = np.sqrt(outline.area / n_tiles)
     best: Placement | None = None
     for attempt in range(14):
-        low = 2 * (np.floor((local.min(axis=0) / spacing - offset) / 2).astype(int) - 1)
-        high = 2 * (np.ceil((local.max(axis=0) / spacing - offset) / 2).astype(int) + 1)
-        if np.prod((high - low).astype(float)) > max(MOST_SQUARES * n_tiles, 1e4):
+        side = np.sqrt(per_cell) * spacing
+        start = np.full(2, offset / np.sqrt(per_cell))
+        low = np.floor(local.min(axis=0) / side - start).astype(int) - 1
+        high = np.ceil(local.max(axis=0) / side - start).astype(int) + 1
+        if per_cell * np.prod((high - low).astype(float)) > max(MOST_SQUARES * n_tiles, 1e4):
             return best
-        i, j = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]), indexing="ij")
-        corner = (np.stack([i, j], axis=-1) + offset)[..., None, :] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-        squares = (corner * spacing @ frame.T + center).reshape(-1, 4, 2)
-        fraction = overlap_fractions(outline.simplify(FINE * spacing), squares)
-        mask = sound_mask((fraction > 0.5).reshape(i.shape))
+        matrix = side * frame @ shape.T
+        origin = matrix @ (low + start) + center
+        box = np.ones((*(high - low), per_cell), bool)
+        corners, tiles = regular.contracted(np.argwhere(box))
+        fraction = overlap_fractions(outline.simplify(FINE * spacing), corners @ matrix.T + origin, tiles)
+        fraction = fraction.reshape(box.shape)
+        mask = sound_tiles(fraction > 0.5, motion.adjacency)
         count = int(mask.sum())
         if count >= 4:
-            inside = fraction[mask.ravel()].sum() * spacing**2
-            overlap = inside / (outline.area + count * spacing**2 - inside)
-            tiles = np.stack([mask[0::2, 0::2], mask[1::2, 0::2], mask[0::2, 1::2], mask[1::2, 1::2]], axis=-1)
-            origin = frame @ ((low + offset) * spacing) + center
-            found = Placement(2 * spacing * frame, origin, tiles, angle, float(overlap))
+            area = share * side**2
+            inside = float((fraction * mask @ area).sum())
+            overlap = inside / (outline.area + float((mask @ area).sum()) - inside)
+            found = Placement(matrix, origin, mask, angle, overlap)
             if best is None or abs(count - n_tiles) < abs(best.n_tiles - n_tiles):
                 best = found
             if abs(count - n_tiles) <= tolerance * n_tiles:
@@ -165,18 +202,40 @@ def _trimmed(
     return best
 
 
-def rectangle_placement(flattening: Flattening, columns: int, rows: int) -> Placement:
+def rectangle_placement(
+    flattening: Flattening,
+    columns: int,
+    rows: int,
+    regular: Regular | None = None,
+    most_unequal: float = MOST_UNEQUAL,
+) -> Placement:
     """Lay columns x rows unit cells on a flattening to a rectangle [0, width] x [0, height].
 
-    The lattice is stretched to the rectangle where their proportions differ by less than `MOST_UNEQUAL`, else
-    it keeps its proportions and lies in the middle.
+    The rectangle round the deployed pattern is stretched to that of the flattening where their proportions differ by
+    no more than `most_unequal`, else it keeps its proportions and lies in the middle; 1 is a similarity.
     """
+    regular = regular or Regular.of(quad_cell())
+    mask = rectangle_mask(regular.motion.cell, regular.motion.adjacency, columns, rows)
+    first, extent = regular.box(mask)
     size = np.ptp(flattening.uv, axis=0)
     low = flattening.uv.min(axis=0)
-    scale = size / np.array([columns, rows])
-    if scale.max() > MOST_UNEQUAL * scale.min():
+    scale = size / extent
+    if scale.max() > most_unequal * scale.min():
         scale = np.full(2, scale.min())
-    scale = scale * (1 - INSET / np.array([columns, rows]))
-    origin = low + 0.5 * (size - scale * np.array([columns, rows]))
-    overlap = float(np.prod(scale * [columns, rows]) / np.prod(size))
-    return Placement(np.diag(scale), origin, np.ones((columns, rows, 4), bool), 0.0, overlap)
+    inset = INSET * np.diag(regular.lattice) / extent
+    scale = scale * (1 - (inset.max() if most_unequal == 1 else inset))
+    origin = low + 0.5 * (size - scale * extent) - scale * first
+    overlap = float(np.prod(scale * extent) / np.prod(size))
+    return Placement(np.diag(scale) @ regular.lattice.T, origin, mask, 0.0, overlap, (columns, rows))
+
+
+def similar_placement(flattening: Flattening, columns: int, rows: int, regular: Regular) -> Placement:
+    """Lay columns x rows unit cells undistorted over the middle of a flattening, on as much area as it has."""
+    placed = rectangle_placement(flattening, columns, rows, regular, most_unequal=1.0)
+    low, high = flattening.uv.min(axis=0), flattening.uv.max(axis=0)
+    first, extent = regular.box(placed.mask)
+    scale = float(np.sqrt(flattening.outline.area / np.prod(extent)))
+    origin = 0.5 * (low + high) - scale * (first + 0.5 * extent)
+    shape = shapely.box(*(origin + scale * first), *(origin + scale * (first + extent)))
+    overlap = shape.intersection(flattening.outline).area / shape.union(flattening.outline).area
+    return replace(placed, matrix=scale * regular.lattice.T, origin=origin, overlap=float(overlap))

@@ -15,13 +15,14 @@ from kirisurf.judging import patch_points
 from kirisurf.runs import Run
 from kirisurf.runs.table import curvature_rows
 from kirisurf.surface import Surface
+from kirisurf.targets import loaded
 from kirisurf.tessellation import Tessellation
 
 if TYPE_CHECKING:
     from viewers.report import ReportParts
     from viewers.scenes import Sheet
 
-PICTURES = ("overview", "target", "pattern", "deployed", "mean_curvature", "gaussian_curvature")
+PICTURES = ("overview", "target", "pattern", "deployed", "mean_curvature", "gaussian_curvature", "asked_stretch")
 REPORT = "report.html"
 PATCH_POINTS = 9
 """Points along every side of a hole's curved patch in a picture."""
@@ -34,8 +35,12 @@ def sheet(
     target: Surface,
     fields: Mapping[tuple[str, str], np.ndarray],
     units: str | None,
+    stretch: tuple[np.ndarray, tuple[float, float]] | None = None,
 ) -> Sheet:
-    """Return what pictures are drawn from: holes as curved patches; fields with several columns are left out."""
+    """Return what pictures are drawn from: holes as curved patches; fields with several columns are left out.
+
+    `stretch` is what the target asks for at every vertex (v,), and the range of what the tessellation gives.
+    """
     from viewers.scenes import Sheet
 
     plain = {key: values for key, values in fields.items() if values.ndim == 1}
@@ -49,12 +54,16 @@ def sheet(
         patch_points(tessellation, deployed, PATCH_POINTS),
         units=units or "unit",
         name=target.name,
+        asked_stretch=None if stretch is None else stretch[0],
+        possible_stretch=None if stretch is None else stretch[1],
     )
 
 
 def run_sheet(run: Run) -> Sheet:
     """Return what pictures of a run are drawn from."""
-    return sheet(run.tessellation, run.deployed, run.contracted, run.target, run.fields, run.spec.units)
+    found = run.result.get("feasibility")
+    stretch = None if found is None else (run.asked_stretch, (float(found["least"]), float(found["most"])))
+    return sheet(run.tessellation, run.deployed, run.contracted, run.target, run.fields, run.spec.units, stretch)
 
 
 def draw_pictures(drawn: Sheet, folder: Path, names: Sequence[str] = PICTURES) -> tuple[dict[str, Path], str]:
@@ -159,21 +168,50 @@ def write_report(parts: ReportParts | Sequence[ReportParts], path: Path) -> Path
     return write_report(parts, path)
 
 
-def show_run(run: Run) -> None:
-    """Open a run in a window and wait until it is closed.
+def show_workbench(target: str, options: Mapping[str, Any]) -> str:
+    """Open a run or a target in the workbench and wait until it is closed.
+
+    Where the workbench cannot be opened but a window can, that shows the run or the target alone.
+
+    Parameters
+    ----------
+    target : str
+        A run folder, a mesh file, an outline, or the name of a sample.
+    options : mapping
+        Of `FitSpec`, on top of those of the run or of the defaults.
+
+    Returns
+    -------
+    str
+        A sentence on what opened instead of the workbench, and how to get it; empty where it opened.
 
     Raises
     ------
     KirisurfError
-        Where there is no display; the message names what to do instead.
+        Where there is no display, the message names what to do instead; or where an option is wrong, or the run or
+        the target cannot be read.
     """
-    from viewers.window import show_sheet
+    from concurrent.futures import ThreadPoolExecutor
 
-    show_sheet(run_sheet(run), f"kirisurf: {run.name}")
+    from viewers.workbench.desktop.probing import probe_workbench
 
+    with ThreadPoolExecutor(1) as pool:
+        # asked in a child process, while this one reads and imports what the window needs
+        asked = pool.submit(probe_workbench)
+        from viewers.window import show_sheet, show_surface
+        from viewers.workbench.desktop.show import prepare, show_workbench
+        from viewers.workbench.opening import open_any
 
-def show_surface(surface: Surface) -> None:
-    """Open a target surface in a window and wait until it is closed; raises as :func:`show_run`."""
-    from viewers.window import show_surface
-
-    show_surface(surface, f"kirisurf: {surface.name}")
+        state, results = open_any(target, **options)
+        engine = prepare()
+        answer = asked.result()
+    title = f"kirisurf: {Path(target).name}"
+    if answer.available:
+        show_workbench(state, results, title, engine)
+        return ""
+    engine.close()
+    if results.sheet is not None:
+        show_sheet(results.sheet, title)
+    else:
+        show_surface(loaded(state.spec)[1], title)
+    return f"{answer.reason}. A plain window opened instead."

@@ -23,7 +23,7 @@ from kirisurf.loops import Loops
 from kirisurf.pipeline import FitResult
 from kirisurf.runs import Run, RunFolder, read_run
 from kirisurf.runs.record import SECONDS, write_record
-from kirisurf.runs.run import CELL, SPEC, STANDARD_CONTRACTED, STANDARD_DEPLOYED, WELD
+from kirisurf.runs.run import ASKED_STRETCH, CELL, SPEC, STANDARD_CONTRACTED, STANDARD_DEPLOYED, WELD
 from kirisurf.runs.table import curvature_csv
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
@@ -150,7 +150,8 @@ def _write_data(design: Finished, lines: Cuts, to: Path) -> None:
     write_vtp(to / "contracted.vtp", flat, tiles, {**vertex, **topology}, {**tile, CELL: tessellation.cells})
     write_vtp(to / "holes.vtp", points, tessellation.holes, vertex, hole)
     faces = Loops(np.arange(0, 3 * len(surface.faces) + 1, 3), surface.faces.ravel())
-    write_vtp(to / "target.vtp", surface.vertices, faces, {"normal": surface.normals})
+    asked = {} if design.result.feasibility is None else {ASKED_STRETCH: design.result.feasibility.asked}
+    write_vtp(to / "target.vtp", surface.vertices, faces, {"normal": surface.normals, **asked})
     write_text(to / "curvature.csv", curvature_csv(hole))
     write_text(to / "pattern.svg", svg_text(lines, design.spec.units, f"{surface.name}: cut pattern"))
 
@@ -170,7 +171,8 @@ def _certificate_of_files(design: Finished, folder: Path) -> Certificate:
     contracted, _ = read_polygons(folder / "contracted.obj")
     # Before convergence the copies of a vertex do not coincide: without the welding, every row would only say that.
     weld = None if design.result.fit.status is Status.CONVERGED else design.result.tessellation.weld
-    return certified(design.spec, deployed, contracted, tiles, design.result.surface, weld)
+    prescribed = design.result.boundary, design.result.contracted_boundary
+    return certified(design.spec, deployed, contracted, tiles, design.result.surface, weld, prescribed)
 
 
 def _result(design: Finished, certificate: Certificate, status: Status, lines: Cuts) -> dict[str, Any]:
@@ -202,7 +204,25 @@ def _result(design: Finished, certificate: Certificate, status: Status, lines: C
         "units": design.spec.units or "mm (assumed)",
         "origin": design.origin,
         "target": _described(surface),
+        "freedom": design.result.freedom,
+        "feasibility": _feasibility(design),
         "notes": list(design.result.notes),
+    }
+
+
+def _feasibility(design: Finished) -> dict[str, Any] | None:
+    """What was known before the solve, in words and numbers."""
+    found = design.result.feasibility
+    if found is None:
+        return None
+    least, most = found.given.ends
+    return {
+        "sentence": found.sentence,
+        "advice": found.advice,
+        "least": least,
+        "most": most,
+        "spread": found.spread,
+        "outside": found.outside,
     }
 
 
@@ -216,7 +236,9 @@ def _publish(design: Finished, result: Mapping[str, Any], to: Path, pictures: bo
     reason = "Pictures were not asked for."
     warnings: list[str] = []
     if pictures:
-        shown = sheet(tessellation, points, flat, design.result.surface, fields, design.spec.units)
+        feasibility = design.result.feasibility
+        stretch = None if feasibility is None else (feasibility.asked, feasibility.given.ends)
+        shown = sheet(tessellation, points, flat, design.result.surface, fields, design.spec.units, stretch)
         drawn, reason = draw_pictures(shown, to)
         warnings = [reason] if reason else []
     parts = report_parts(result, flat, fields, drawn, reason)

@@ -11,19 +11,20 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, no_type_check
 
 from kirisurf.errors import ParameterError
+from kirisurf.naming import is_file_name
+from kirisurf.tessellation_names import tessellation_names
 
-TESSELLATIONS = ("quad", "kagome", "hexagon", "islamic-quad", "islamic-triangle")
 CLOSENESS = ("best", "exact")
 INITIALS = ("auto", "standard", "rescaled", "conformal", "teichmuller", "analytic", "flat")
 SOLVERS = ("auto", "newton", "slsqp", "trust-constr", "ipopt", "uno")
 UNITS = ("um", "mm", "cm", "m", "in", "ft")
 DEFAULT_TILES = 300
+RECTANGLE = "rectangle"
 LEAST_TOLERANCE = 1e-12
 """What double precision lets a certificate of several hundred tiles promise."""
 
-# Named by the interface, built by later versions: refused by name, never silently ignored.
-_LATER_TESSELLATIONS = TESSELLATIONS[1:]
-_LATER_INITIALS = ("rescaled", "teichmuller")
+PREFERENCES = ("balanced", "smoothest", "nearest", "open", "uniform")
+"""Secondary objectives, which choose among the sheets that meet every row."""
 
 
 # No checks of the hints: values arrive unchecked from TOML and callers, and __post_init__ is what checks them.
@@ -35,9 +36,9 @@ class FitSpec:
     Attributes
     ----------
     target : str
-        Path of a mesh file, or the name of a sample surface.
+        Path of a mesh file or of a planar outline (SVG, DXF, CSV), or the name of a sample surface or outline.
     tessellation : str
-        One of `TESSELLATIONS`, or a file. This version fits quad tiles.
+        A name of the catalog (:mod:`kirisurf.unit_cells.catalog`), or the file of a unit cell.
     cells : (int, int) or None
         Columns and rows of unit cells: 4x4 quad cells are 8x8 tiles. Excludes `tiles`.
     tiles : int or None
@@ -47,7 +48,8 @@ class FitSpec:
     initial : str
         Start of the solve, one of `INITIALS`.
     contracted : str
-        Shape of the flat sheet; this version: free.
+        Shape of the flat sheet: free, rectangle, rectangle:RATIO (width over height), or the file or name of a
+        closed planar outline, whose size is free.
     solver : str
         One of `SOLVERS`.
     tolerance : float
@@ -66,6 +68,14 @@ class FitSpec:
         Smallest tile edge over the median tile edge.
     min_angle : float
         Smallest opening between neighboring tiles, in degrees.
+    max_opening : float or None
+        Largest opening between neighboring tiles, in degrees; None leaves it free.
+    min_corner : float or None
+        Smallest interior angle of a tile, in degrees; None leaves it free.
+    prefer : str
+        Which of the sheets that meet every row is wanted, one of `PREFERENCES`: smoothest (neighboring tiles alike),
+        nearest (the outer vertices near the target's outline), open (slits as open as they get), uniform
+        (tiles of one size), or a balance.
     hinge_width : float or None
         Material left at every hinge of the cut pattern, in the target's units; None is 4 % of the
         median contracted tile edge.
@@ -82,7 +92,7 @@ class FitSpec:
     Raises
     ------
     ParameterError
-        Where a value is out of its range, or belongs to a later version.
+        Where a value is out of its range.
 
     Examples
     --------
@@ -106,6 +116,9 @@ class FitSpec:
     remesh_edge: float | None = None
     min_edge: float = 0.1
     min_angle: float = 3.0
+    max_opening: float | None = None
+    min_corner: float | None = None
+    prefer: str = "balanced"
     hinge_width: float | None = None
     kerf: float = 0.0
     units: str | None = None
@@ -117,24 +130,18 @@ class FitSpec:
             raise ParameterError(f"target: expected a mesh file or the name of a sample surface, got {self.target!r}")
         if "\0" in self.target:
             raise ParameterError("target: expected a path without NUL characters, got one with")
-        for name, choices in (("closeness", CLOSENESS), ("initial", INITIALS), ("solver", SOLVERS)):
-            _check_choice(name, getattr(self, name), choices)
+        choices = {"closeness": CLOSENESS, "initial": INITIALS, "solver": SOLVERS, "prefer": PREFERENCES}
+        for name, allowed in choices.items():
+            _check_choice(name, getattr(self, name), allowed)
         self._check_tessellation()
-        if self.initial in _LATER_INITIALS:
-            raise _later(f"--initial {self.initial}", "use auto, conformal, standard, analytic or flat")
-        if self.contracted != "free":
-            raise _later(f"--contracted {self.contracted}", "use free")
+        object.__setattr__(self, "contracted", _checked_contracted(self.contracted))
         self._check_numbers()
         if self.units is not None:
             _check_choice("units", self.units, UNITS)
 
     def _check_tessellation(self) -> None:
-        if self.tessellation in _LATER_TESSELLATIONS:
-            raise _later(f"--tessellation {self.tessellation}", "use quad")
-        if not isinstance(self.tessellation, str) or self.tessellation != "quad":
-            if isinstance(self.tessellation, str) and is_file_name(self.tessellation):
-                raise _later("a tessellation from a file", "use --tessellation quad")
-            _check_choice("tessellation", self.tessellation, TESSELLATIONS)
+        if not isinstance(self.tessellation, str) or not is_file_name(self.tessellation):
+            _check_choice("tessellation", self.tessellation, tessellation_names(), " or a file")
         if self.cells is not None and self.tiles is not None:
             raise ParameterError(f"--cells and --tiles: expected one of them, got both ({self.cells}, {self.tiles})")
         if self.cells is not None:
@@ -154,6 +161,15 @@ class FitSpec:
         store("tolerance", LEAST_TOLERANCE, 1e-3)
         store("min_edge", 0.0, 1.0)
         store("min_angle", 0.0, 90.0)
+        if self.max_opening is not None:
+            store("max_opening", 0.0, 180.0, open_low=True)
+            if self.max_opening <= self.min_angle:
+                raise ParameterError(
+                    f"--max-opening: expected more than the smallest opening, {self.min_angle:g}, "
+                    f"got {self.max_opening:g}"
+                )
+        if self.min_corner is not None:
+            store("min_corner", 0.0, 60.0)
         store("kerf", 0.0, math.inf)
         store("opening", 0.0, 90.0, allowed="auto")
         store("orientation", -360.0, 360.0, allowed="auto")
@@ -240,11 +256,6 @@ def parse_toml(text: str, source: str = "spec") -> dict[str, Any]:
         raise ParameterError(f"{source}: expected TOML, got {problem}") from None
 
 
-def is_file_name(text: str) -> bool:
-    """Return whether a name has a folder or a suffix, as files do and sample surfaces do not."""
-    return bool(re.search(r"[./\\]", text))
-
-
 def parse_cells(text: str) -> tuple[int, int]:
     """Return (columns, rows) of text such as 4x4.
 
@@ -286,12 +297,24 @@ def _checked_number(name: str, value: Any, low: float, high: float, open_low: bo
     return number
 
 
-def _check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
+def _check_choice(name: str, value: Any, choices: tuple[str, ...], more: str = "") -> None:
     if value not in choices:
         near = difflib.get_close_matches(str(value), choices, n=1)
         hint = f" (did you mean {near[0]!r}?)" if near else ""
-        raise ParameterError(f"--{name}: expected one of {', '.join(choices)}, got {value!r}{hint}")
+        raise ParameterError(f"--{name}: expected one of {', '.join(choices)}{more}, got {value!r}{hint}")
 
 
-def _later(what: str, instead: str) -> ParameterError:
-    return ParameterError(f"{what} is not available in this version: {instead}.")
+def _checked_contracted(value: Any) -> str:
+    """The shape of the flat sheet in one spelling; files are looked for when they are read."""
+    if not isinstance(value, str) or not value.strip():
+        raise ParameterError(f"--contracted: expected free, rectangle, rectangle:RATIO or an outline, got {value!r}")
+    name, colon, ratio = value.partition(":")
+    if name != RECTANGLE or not colon:
+        return value
+    try:
+        number = float(ratio)
+    except ValueError:
+        number = math.nan
+    if not (math.isfinite(number) and 0.01 <= number <= 100):
+        raise ParameterError(f"--contracted: expected rectangle:RATIO with a number from 0.01 to 100, got {value!r}")
+    return f"{RECTANGLE}:{number:.17g}"

@@ -36,6 +36,15 @@ class SmoothSurface(Protocol):
         ...
 
 
+@runtime_checkable
+class PlanarOutline(Protocol):
+    """The outline of a planar target, see :class:`kirisurf.outlines.Outline`."""
+
+    def moved(self, shift: ArrayLike) -> PlanarOutline:
+        """Return a copy moved by a vector (2,)."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Surface:
     """A triangle mesh.
@@ -48,12 +57,15 @@ class Surface:
         File name or sample name, for messages and reports.
     smooth : SmoothSurface or None
         The smooth surface that the mesh samples, where it is known.
+    outline : PlanarOutline or None
+        Of a planar target (z = 0): the curve that the mesh fills.
     """
 
     vertices: Float[np.ndarray, "v 3"]
     faces: Int[np.ndarray, "f 3"]
     name: str = "surface"
     smooth: SmoothSurface | None = None
+    outline: PlanarOutline | None = None
 
     @classmethod
     def from_arrays(

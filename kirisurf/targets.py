@@ -8,17 +8,23 @@ from __future__ import annotations
 import difflib
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kirisurf import outlines
 from kirisurf.errors import ParameterError, UnreadableError
-from kirisurf.spec import DEFAULT_TILES, UNITS, FitSpec, is_file_name
+from kirisurf.naming import is_file_name
+from kirisurf.outlines import Outline, planar_surface, read_outline
+from kirisurf.outlines.reading import FORMATS
+from kirisurf.spec import DEFAULT_TILES, RECTANGLE, UNITS, FitSpec
 from kirisurf.surface import Surface
 
 if TYPE_CHECKING:
     from sample_surfaces.catalog import SampleSpec
 
-_PLANAR = (".svg", ".dxf")
+OUTLINE_CELLS = (4, 4)
+"""Unit cells of a pattern in a named outline, where no number is given: the size of most of the paper's."""
 
 
 def load(target: Any, resolution: int | None = None) -> Surface:
@@ -88,12 +94,39 @@ def is_sample(target: str) -> bool:
     return not is_file_name(target) and target in sample_surfaces.names()
 
 
+def is_outline_name(target: str) -> bool:
+    """Whether a target's name means a planar outline."""
+    return not is_file_name(target) and target in outlines.names()
+
+
+def read_named_outline(name: str, units: str | None = None) -> Outline:
+    """Return the outline of a name, or of a file.
+
+    Raises
+    ------
+    UnreadableError, UnusableError, ParameterError
+        As :func:`kirisurf.outlines.read_outline`; or where there is no such name.
+    """
+    if is_outline_name(name):
+        return outlines.outline(name)
+    if is_file_name(name):
+        return read_outline(name, units)[0]
+    near = difflib.get_close_matches(name, outlines.names(), n=1)
+    hint = f" (did you mean {near[0]!r}?)" if near else ""
+    raise ParameterError(
+        f"outline: expected free, rectangle, rectangle:RATIO, a file or one of {', '.join(outlines.names())}, "
+        f"got {name!r}{hint}"
+    )
+
+
 def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> FitSpec:
     """Return the spec with nothing left to the place where it is run.
 
     A file's path becomes absolute (relative paths start at `folder`, by default the current one). A
-    sample's own units are taken where none are given, and its own number of tiles where not `sized`.
+    sample's own units are taken where none are given, and its own number of tiles where not `sized`; a named
+    outline's is `OUTLINE_CELLS`.
     """
+    spec = _with_absolute_files(spec, folder or Path.cwd())
     if is_sample(spec.target):
         import sample_surfaces
 
@@ -104,12 +137,45 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
         if spec.units is None and sample.units in UNITS:
             values["units"] = sample.units
         return spec.changed(**values)
+    if is_outline_name(spec.target):
+        return spec if sized else spec.changed(cells=OUTLINE_CELLS)
     path = os.path.abspath(os.path.join(folder or Path.cwd(), spec.target))
     # A bare name that is no file may be a sample's name with a typo: it is kept for the message.
     return spec if not is_file_name(spec.target) and not os.path.exists(path) else spec.changed(target=path)
 
 
-def load_with_notes(target: str, resolution: int | None = None) -> tuple[Surface, tuple[str, ...]]:
+def flat_target(outline: Outline) -> Surface:
+    """Return the inside of an outline as a target with z = 0."""
+    return replace(planar_surface(outline), outline=outline)
+
+
+def _with_absolute_files(spec: FitSpec, folder: Path) -> FitSpec:
+    """The spec with absolute paths of the files of tessellation and contracted outline."""
+    files = {name: getattr(spec, name) for name in ("tessellation", "contracted")}
+    files = {name: os.path.abspath(os.path.join(folder, value)) for name, value in files.items() if _is_file(value)}
+    return spec.changed(**files) if files else spec
+
+
+def _is_file(value: str) -> bool:
+    return is_file_name(value) and not value.startswith(f"{RECTANGLE}:")
+
+
+def loaded(spec: FitSpec) -> tuple[FitSpec, Surface, tuple[str, ...]]:
+    """Return a resolved spec with the unit of its target, the target, and what its reader said.
+
+    Raises
+    ------
+    UnreadableError, UnusableError, ParameterError
+        As :func:`load`.
+    """
+    surface, notes = load_with_notes(spec.target, units=spec.units)
+    own = surface.outline.units if isinstance(surface.outline, Outline) else None
+    return (spec.changed(units=own) if spec.units is None and own in UNITS else spec), surface, notes
+
+
+def load_with_notes(
+    target: str, resolution: int | None = None, units: str | None = None
+) -> tuple[Surface, tuple[str, ...]]:
     """Return the surface of a file or a sample, with a sentence on everything that the reader changed.
 
     Raises
@@ -117,20 +183,27 @@ def load_with_notes(target: str, resolution: int | None = None) -> tuple[Surface
     UnreadableError, UnusableError, ParameterError
         As :func:`load`.
     """
+    notes: tuple[str, ...]
     if is_sample(target):
         import sample_surfaces
 
         shadowed = os.path.isfile(target)
         notes = (f"{target} is the sample surface; the file of that name is ./{target}.",) if shadowed else ()
         return sample_surfaces.load(target, resolution), notes
+    if is_outline_name(target):
+        shadowed = os.path.isfile(target)
+        notes = (f"{target} is the planar outline; the file of that name is ./{target}.",) if shadowed else ()
+        return flat_target(outlines.outline(target)), notes
     if not os.path.exists(target) and not is_file_name(target):
         import sample_surfaces
 
-        near = difflib.get_close_matches(target, sample_surfaces.names(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"samples: {', '.join(sample_surfaces.names())}"
+        known = (*sample_surfaces.names(), *outlines.names())
+        near = difflib.get_close_matches(target, known, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"samples and outlines: {', '.join(known)}"
         raise UnreadableError(f"target: expected a mesh file or the name of a sample surface, got {target!r} ({hint})")
-    if Path(target).suffix.lower() in _PLANAR:
-        raise ParameterError(f"{target}: a planar outline as target is not available in this version: use a mesh file.")
+    if Path(target).suffix.lower() in FORMATS:
+        outline, notes = read_outline(target, units)
+        return flat_target(outline), notes
     from kirisurf.formats import read_surface_with_notes
 
     return read_surface_with_notes(target)
@@ -140,6 +213,8 @@ def prepared(surface: Surface, spec: FitSpec) -> tuple[Surface, tuple[str, ...]]
     """Return the surface repaired and remeshed as the spec asks, with a sentence on either."""
     if not (spec.repair or spec.remesh):
         return surface, ()
+    if surface.outline is not None:
+        raise ParameterError("--repair, --remesh: expected with a mesh, got a planar outline")
     from kirisurf.repair import remeshed, repaired_with_notes
 
     notes: list[str] = []

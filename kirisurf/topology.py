@@ -183,7 +183,7 @@ def oriented(surface: Surface, report: TopologyReport) -> Surface:
     if not report.flipped_faces.any():
         return surface
     faces = np.where(report.flipped_faces[:, None], surface.faces[:, ::-1], surface.faces)
-    return Surface.from_arrays(surface.vertices, faces, surface.name, surface.smooth)
+    return replace(surface, faces=frozen(faces, np.int64))
 
 
 def face_components(surface: Surface) -> Int[np.ndarray, " f"]:

@@ -24,6 +24,12 @@ _KNOWN: dict[str, tuple[str, int | str, bool]] = {
     "size_ratio": ("tile edge / median tile edge", "", False),
     "tile_angle_deviation": ("deviation of tile angles", "rad", False),
     "opening_angle": ("smallest opening angle", "rad", False),
+    "opening_angle_mean": ("mean opening angle", "rad", False),
+    "smallest_edge": ("shortest edge of the tile / median tile edge", "", False),
+    "corner_angle_min": ("smallest tile angle", "rad", False),
+    "corner_angle_max": ("largest tile angle", "rad", False),
+    "area_magnification": ("area when open / area when closed", "", False),
+    "asked_stretch": ("stretch that the target asks for", "", False),
     "flag": ("flag", "", False),
 }
 _CURVATURES = {"mean_curvature": ("mean curvature H", -1), "gaussian_curvature": ("Gaussian curvature K", -2)}
@@ -61,6 +67,8 @@ class Field:
         True where the sign matters: a diverging map centered at zero.
     range_note : str
         How the limits were chosen, in words; empty where they are the extremes.
+    marks : tuple of float
+        Values that the color bar marks by a line, such as the ends of what is possible.
     """
 
     name: str
@@ -71,6 +79,7 @@ class Field:
     limits: tuple[float, float]
     signed: bool
     range_note: str = ""
+    marks: tuple[float, ...] = ()
 
     @property
     def exceeds(self) -> tuple[bool, bool]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from viewers.words import CertificateRow, row_in_words
+from viewers.words import CertificateRow, number, row_in_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,7 @@ class ReportParts:
     title, target_name, units : str
     result : mapping
         As in result.json: status, reason, seconds, iterations, tiles, vertices, holes, edge_length,
-        versions. What is missing is left out.
+        versions, feasibility (see `Feasibility`). What is missing is left out.
     certificate : mapping of str to float or None
     limits : mapping of str to float
     failures : tuple of str or None
@@ -41,6 +41,8 @@ class ReportParts:
         Width and height of the flat sheet in the user's units.
     no_pictures : str
         Why there are no pictures and how to get them.
+    planar : bool or None
+        Whether the target is a planar outline, which has no curvature; by default this follows from the fields.
     """
 
     title: str
@@ -59,6 +61,28 @@ class ReportParts:
     history: tuple[Mapping[str, float], ...] = ()
     sheet_size: tuple[float, float] | None = None
     no_pictures: str = ""
+    planar: bool | None = None
+
+
+@dataclass(frozen=True)
+class Feasibility:
+    """Whether the tessellation can give the stretch that the target asks for, as said before solving.
+
+    Attributes
+    ----------
+    sentence, advice : str
+        What was found, and what to do about it; empty where there is nothing to say.
+    possible, asked : str
+        Ranges of the stretch in words; empty where they are not known.
+    outside : str
+        Share of the target that asks for more or less than what is possible; empty where it is not known.
+    """
+
+    sentence: str
+    advice: str
+    possible: str
+    asked: str
+    outside: str
 
 
 @dataclass(frozen=True)
@@ -106,8 +130,51 @@ def certificate_rows(parts: ReportParts) -> list[CertificateRow]:
     ]
 
 
+def feasibility(parts: ReportParts) -> Feasibility | None:
+    """Return what was said before solving, from the result's `feasibility`, or None where nothing was.
+
+    Its keys: `sentence`, `advice`, `least` and `most` (possible stretch), `spread` (the two ends of the asked stretch,
+    or its ratio), `outside` (share of the target's area). Each may be missing or null.
+    """
+    found = parts.result.get("feasibility")
+    if not isinstance(found, Mapping) or not any(value is not None for value in found.values()):
+        return None
+    least, most, spread, outside = (found.get(key) for key in ("least", "most", "spread", "outside"))
+    if isinstance(spread, (list, tuple)):
+        asked = " to ".join(number(value) for value in spread)
+    else:
+        asked = "" if spread is None else f"largest {number(spread)} times the smallest"
+    return Feasibility(
+        sentence=str(found.get("sentence") or ""),
+        advice=str(found.get("advice") or ""),
+        possible="" if least is None or most is None else f"{number(least)} to {number(most)}",
+        asked=asked,
+        outside="" if outside is None else f"{100 * outside:.2g} %",
+    )
+
+
+def is_planar(parts: ReportParts) -> bool:
+    """Return whether a report is on a planar target: told so, or without any curvature at the holes.
+
+    None is a curvature whose H L and K L^2, with L the tile edge, are at the size of rounding for target and holes.
+    """
+    if parts.planar is not None:
+        return parts.planar
+    edge = float(parts.result.get("edge_length") or 0.0)
+    for name, power in (("mean_curvature", 1), ("gaussian_curvature", 2)):
+        for key in (name, f"target_{name}"):
+            values = parts.fields.get(("hole", key))
+            if values is None or not len(values) or not edge > 0:
+                return False
+            if np.nanmax(np.abs(values), initial=0.0) * edge**power > 1e-9:
+                return False
+    return True
+
+
 def curvature_summary(parts: ReportParts) -> CurvatureSummary | None:
-    """Return the medians beside the curvature maps, or None where the fields are missing."""
+    """Return the medians beside the curvature maps, or None where the fields are missing or the target is planar."""
+    if is_planar(parts):
+        return None
     found = {}
     for name in ("gaussian_curvature", "mean_curvature"):
         hole, target = parts.fields.get(("hole", name)), parts.fields.get(("hole", f"target_{name}"))

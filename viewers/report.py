@@ -17,13 +17,24 @@ import numpy as np
 from kirisurf.errors import OutputError, ParameterError
 from viewers import charts
 from viewers.fields import unit_label
-from viewers.parts import CurvatureSummary, ReportParts, certificate_rows, curvature_summary, passed, verdict
-from viewers.words import CAPTIONS, number, row_in_words
+from viewers.number_words import CURVATURE, measures_by_heading
+from viewers.parts import (
+    CurvatureSummary,
+    ReportParts,
+    certificate_rows,
+    curvature_summary,
+    feasibility,
+    is_planar,
+    passed,
+    verdict,
+)
+from viewers.words import CAPTIONS, PLANAR_CAPTIONS, number, row_in_words
 
 __all__ = ["Picture", "ReportParts", "comparison_html", "embed", "report_html", "write_report"]
 
 _MEDIA = {".png": "image/png", ".svg": "image/svg+xml", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
 FIRST_ROWS = 12
+_CURVED = ("mean_curvature", "gaussian_curvature")
 
 
 @dataclass(frozen=True)
@@ -66,15 +77,26 @@ def report_html(parts: ReportParts) -> str:
     """Return the page of one run; see `write_report`."""
     summary = curvature_summary(parts)
     rows = certificate_rows(parts)
+    planar = is_planar(parts)
     return _template("report.html").render(
         parts=parts,
         verdict=verdict(parts),
         passed=passed(parts),
         rows=rows,
-        pictures=[
-            _with_share(embed(name, Path(file)), summary, parts.units) for name, file in _shown(parts.pictures).items()
-        ],
-        charts=_charts(parts),
+        planar=planar,
+        feasibility=feasibility(parts),
+        pictures=_in_grid(
+            [
+                _with_share(embed(name, Path(file), planar), summary, parts.units)
+                for name, file in _shown(parts.pictures, planar).items()
+            ]
+        ),
+        measures={
+            heading: rows
+            for heading, rows in measures_by_heading(parts.numbers, parts.units).items()
+            if not (planar and heading == CURVATURE)
+        },
+        charts=[] if planar else _charts(parts),
         summary=summary,
         history=_address("image/svg+xml", charts.residual_history(parts.history).encode()) if parts.history else "",
         table=_table(parts),
@@ -96,8 +118,10 @@ def comparison_html(runs: Sequence[ReportParts]) -> str:
     ]
     pictures = []
     for run in runs:
-        chosen = [name for name in ("deployed", "gaussian_curvature", "overview") if name in run.pictures][:2]
-        pictures.append([embed(name, Path(run.pictures[name])) for name in chosen])
+        planar = is_planar(run)
+        shown = _shown(run.pictures, planar) if planar else run.pictures
+        chosen = [name for name in ("deployed", "gaussian_curvature", "overview") if name in shown][:2]
+        pictures.append([embed(name, Path(run.pictures[name]), planar) for name in chosen])
     return _template("comparison.html").render(
         runs=runs,
         table=table,
@@ -108,7 +132,7 @@ def comparison_html(runs: Sequence[ReportParts]) -> str:
     )
 
 
-def embed(name: str, file: Path) -> Picture:
+def embed(name: str, file: Path, planar: bool = False) -> Picture:
     """Return a picture file as part of the page.
 
     Raises
@@ -125,13 +149,24 @@ def embed(name: str, file: Path) -> Picture:
         content = file.read_bytes()
     except OSError as problem:
         raise OutputError(f"picture {name}: expected a readable file, got {problem.strerror or problem}") from None
-    return Picture(name, _address(media, content), CAPTIONS.get(name, name.replace("_", " ")), name == "overview")
+    captions = {**CAPTIONS, **PLANAR_CAPTIONS} if planar else CAPTIONS
+    return Picture(name, _address(media, content), captions.get(name, name.replace("_", " ")), name == "overview")
 
 
-def _shown(pictures: Mapping[str, Path]) -> Mapping[str, Path]:
-    """The pictures to show: the overview only where it does not repeat what stands below it."""
-    single = {name: file for name, file in pictures.items() if name != "overview"}
-    return single if len(single) >= 3 else pictures
+def _shown(pictures: Mapping[str, Path], planar: bool) -> Mapping[str, Path]:
+    """The pictures to show: no curvature of a plane, the overview only where it does not repeat what stands below."""
+    single = {name: file for name, file in pictures.items() if not (planar and name in _CURVED)}
+    alone = {name: file for name, file in single.items() if name != "overview"}
+    return alone if len(alone) >= 3 else single
+
+
+def _in_grid(pictures: list[Picture]) -> list[Picture]:
+    """Pictures for a grid of two columns: of an odd number the deployed sheet leads, across both of them."""
+    narrow = [picture for picture in pictures if not picture.wide]
+    lead = next((picture for picture in narrow if picture.name == "deployed"), None)
+    if lead is None or len(narrow) % 2 == 0 or len(narrow) == 1:
+        return pictures
+    return [replace(lead, wide=True), *(picture for picture in pictures if picture is not lead)]
 
 
 def _with_share(picture: Picture, summary: CurvatureSummary | None, units: str) -> Picture:

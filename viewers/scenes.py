@@ -14,9 +14,9 @@ from jaxtyping import Float
 from kirisurf.arrays import frozen
 from kirisurf.errors import ParameterError
 from kirisurf.surface import Surface
-from viewers.fields import Field, name_unit
+from viewers.fields import Field, describe_field, name_unit
 from viewers.framing import FROM_ABOVE, View, choose_view
-from viewers.items import BEHIND, Item, sheet_items, target_items
+from viewers.items import BEHIND, LINES, Item, sheet_items, target_items
 from viewers.sheet import Sheet, sheet_view
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "holes_scene",
     "pattern_scene",
     "standard_scenes",
+    "stretch_scene",
     "target_scene",
 ]
 
@@ -85,10 +86,13 @@ def deployed_scene(sheet: Sheet, view: View | None = None, coloring: tuple[str, 
         Where the sheet has no such field.
     """
     found = None if coloring is None else _field(sheet, coloring)
-    items = (target_items(sheet.target, BEHIND) if sheet.target is not None else ()) + sheet_items(
-        sheet, sheet.deployed, found, holes=found is not None and found.where == "hole"
-    )
-    title = "Deployed" + (" on the target" if sheet.target is not None else "")
+    behind = target_items(sheet.target, BEHIND) if sheet.target is not None else ()
+    if sheet.is_planar:
+        # the outline is what a planar sheet is held against: it lies on top
+        behind = tuple(replace(item, layer=2 * LINES) if item.name == "rim" else item for item in behind)
+    items = behind + sheet_items(sheet, sheet.deployed, found, holes=found is not None and found.where == "hole")
+    where = " in its outline" if sheet.is_planar else " on the target"
+    title = "Deployed" + (where if sheet.target is not None else "")
     if found is not None:
         title = found.label[:1].upper() + found.label[1:]
     name = "deployed" if found is None else f"{found.where}_{found.name}"
@@ -117,10 +121,33 @@ def holes_scene(sheet: Sheet, name: str, view: View | None = None) -> Scene:
     )
 
 
+def stretch_scene(sheet: Sheet, view: View | None = None) -> Scene:
+    """The target colored by the stretch that it asks of the sheet; the color bar marks what is possible.
+
+    Raises
+    ------
+    ParameterError
+        Where the sheet does not know it.
+    """
+    if sheet.target is None or sheet.asked_stretch is None:
+        raise ParameterError("asked stretch: expected a sheet with a target that knows it, got none")
+    asked = sheet.asked_stretch[np.isfinite(sheet.asked_stretch)]
+    marks = () if sheet.possible_stretch is None else sheet.possible_stretch
+    ends = [*(np.percentile(asked, (2, 98)).tolist() if len(asked) else ()), *marks] or [1.0]
+    room = 0.04 * (max(ends) - min(ends)) or 0.1
+    limits = (min(ends) - room, max(ends) + room)
+    found = describe_field("asked_stretch", "vertex", sheet.asked_stretch, sheet.units, limits)
+    found = replace(found, marks=marks)
+    note = "possible: {:.3g} to {:.3g}, between the marks".format(*marks) if marks else ""
+    items = tuple(replace(item, field=found) if item.name == "target" else item for item in target_items(sheet.target))
+    return Scene("asked_stretch", "Asked stretch", items, view or sheet_view(sheet), _frame(sheet), sheet.units, note)
+
+
 def standard_scenes(sheet: Sheet) -> dict[str, Scene]:
     """Return the rows of the paper's Fig. 4, those that the sheet has data for, in order.
 
-    Keys: target, pattern, deployed, mean_curvature, gaussian_curvature.
+    Keys: target, pattern, deployed, mean_curvature, gaussian_curvature, asked_stretch. A planar sheet has no
+    curvature to show.
 
     Examples
     --------
@@ -137,19 +164,20 @@ def standard_scenes(sheet: Sheet) -> dict[str, Scene]:
     scenes["pattern"] = pattern_scene(sheet)
     scenes["deployed"] = deployed_scene(sheet, view)
     for name in ("mean_curvature", "gaussian_curvature"):
-        if ("hole", name) in sheet.fields:
+        if ("hole", name) in sheet.fields and not sheet.is_planar:
             scenes[name] = holes_scene(sheet, name, view)
+    if sheet.asked_stretch is not None:
+        scenes["asked_stretch"] = stretch_scene(sheet, view)
     return scenes
 
 
 def field_scenes(sheet: Sheet) -> dict[str, Scene]:
-    """Return one scene for every field of the sheet but flags, keyed where_name."""
+    """Return one scene for every field worth looking at (see `Sheet.colorings`), keyed where_name."""
     view = sheet_view(sheet)
     scenes = {}
-    for where, name in sheet.fields:
-        if name != "flag":
-            make = holes_scene(sheet, name, view) if where == "hole" else deployed_scene(sheet, view, (where, name))
-            scenes[f"{where}_{name}"] = make
+    for where, name in sheet.colorings:
+        make = holes_scene(sheet, name, view) if where == "hole" else deployed_scene(sheet, view, (where, name))
+        scenes[f"{where}_{name}"] = make
     return scenes
 
 

@@ -32,6 +32,10 @@ class Sheet:
         where is vertex, tile or hole.
     patches : (h, k, m, 3) or None
         Points of a curved patch over every hole; rows of NaN where there is none.
+    asked_stretch : (v,) or None
+        Stretch that the target asks of the sheet, at the target's vertices.
+    possible_stretch : (float, float) or None
+        Least and most that the tessellation has to give.
     units, name : str
     """
 
@@ -42,8 +46,26 @@ class Sheet:
     target: Surface | None = None
     fields: Mapping[tuple[str, str], np.ndarray] = field(default_factory=dict)
     patches: Float[np.ndarray, "h k m 3"] | None = None
+    asked_stretch: Float[np.ndarray, " v"] | None = None
+    possible_stretch: tuple[float, float] | None = None
     units: str = "unit"
     name: str = "design"
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether sheet and target lie in one plane z = const, so that there is no curvature to show."""
+        points = self.deployed if self.target is None else np.vstack([self.deployed, self.target.vertices])
+        size = np.ptp(points, axis=0) if len(points) else np.zeros(3)
+        return bool(size[2] <= 1e-9 * max(size[0], size[1]))
+
+    @property
+    def colorings(self) -> tuple[tuple[str, str], ...]:
+        """Fields worth looking at as (where, name): no flags, and of a planar sheet no curvatures."""
+        return tuple(
+            (where, name)
+            for where, name in self.fields
+            if name != "flag" and not (self.is_planar and "curvature" in name)
+        )
 
     @classmethod
     def from_arrays(
@@ -55,6 +77,8 @@ class Sheet:
         target: Surface | None = None,
         fields: Mapping[tuple[str, str], ArrayLike] | None = None,
         patches: ArrayLike | None = None,
+        asked_stretch: ArrayLike | None = None,
+        possible_stretch: tuple[float, float] | None = None,
         units: str = "unit",
         name: str = "design",
     ) -> Sheet:
@@ -65,7 +89,7 @@ class Sheet:
         UnusableError
             Where points are not finite or the two states have different sizes.
         ParameterError
-            Where a field has another length than what it lies on.
+            Where a field or the asked stretch has another length than what it lies on.
         """
         space = checked(deployed, f"deployed vertices of {name}", (None, 3))
         flat = np.asarray(contracted, float)
@@ -85,7 +109,11 @@ class Sheet:
         grid = None if patches is None else frozen(np.asarray(patches, float))
         if grid is not None and (grid.ndim != 4 or grid.shape[0] != len(holes) or grid.shape[3] != 3):
             raise ParameterError(f"patches: expected shape ({len(holes)}, k, m, 3), got {grid.shape}")
-        return cls(tiles, holes, space, flat, target, known, grid, units, name)
+        asked = None if asked_stretch is None else frozen(np.asarray(asked_stretch, float).ravel())
+        if asked is not None and (target is None or len(asked) != len(target.vertices)):
+            count = "a target" if target is None else f"{len(target.vertices)} values on its target's vertices"
+            raise ParameterError(f"asked stretch: expected {count}, got {len(asked)} values")
+        return cls(tiles, holes, space, flat, target, known, grid, asked, possible_stretch, units, name)
 
     def described(self, where: str, name: str) -> Field | None:
         """Return a field ready to color by, or None where the sheet has none of that name.
@@ -103,11 +131,15 @@ class Sheet:
 
 
 def sheet_view(sheet: Sheet) -> View:
-    """Return the line of sight for every spatial picture of a sheet: chosen from its target where it has one."""
+    """Return the line of sight for every spatial picture of a sheet: chosen from its target where it has one.
+
+    What is planar is seen from above.
+    """
+    if sheet.is_planar:
+        return FROM_ABOVE
     if sheet.target is not None:
         return choose_view(sheet.target)
-    flat = not np.ptp(sheet.deployed[:, 2]) if len(sheet.deployed) else True
-    return FROM_ABOVE if flat else choose_view(_fan(sheet))
+    return choose_view(_fan(sheet))
 
 
 def laid_flat(sheet: Sheet) -> np.ndarray:

@@ -51,9 +51,9 @@ class SheetWindow:
 
         self.sheet = sheet
         self.shown = {"target": True, "tiles": True, "holes": True}
-        self.colorings: list[tuple[str, str] | None] = [None, *(key for key in sheet.fields if key[1] != "flag")]
+        self.colorings: list[tuple[str, str] | None] = [None, *sheet.colorings]
         first = ("hole", "gaussian_curvature")
-        self.coloring: tuple[str, str] | None = first if first in sheet.fields else None
+        self.coloring: tuple[str, str] | None = first if first in self.colorings else None
         self.share = 1.0
         self.linked = True
         self._flat = laid_flat(sheet)

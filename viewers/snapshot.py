@@ -227,6 +227,8 @@ def _color_bar(figure: Figure, panel: _Panel, field: Field) -> None:
         format=formatter,
     )
     bar.outline.set_visible(False)
+    for value in field.marks:
+        axes.axvline(value, color=theme.INK, linewidth=0.12 * panel.points, ymin=-0.35, ymax=1.35, clip_on=False)
     small = 0.8 * panel.points
     axes.tick_params(labelsize=small, labelcolor=theme.INK, length=0.2 * small, width=0.6, color=theme.MUTED)
     axes.xaxis.get_offset_text().set_visible(False)

@@ -14,7 +14,18 @@ CAPTIONS = {
     "gaussian_curvature": "Every hole, filled by a smooth patch and colored by its Gaussian curvature at its center. "
     "Positive like a dome, negative like a saddle.",
     "distance": "How far the vertices of the sheet lie above (+) or below (-) the target.",
+    "asked_stretch": "How much longer than the flat sheet the target is at every place. The marks on the color bar are "
+    "the ends of what this tessellation can give.",
 }
+
+PLANAR_CAPTIONS = {
+    "overview": "All at one scale: the target, the flat sheet, and the deployed sheet.",
+    "target": "The target's outline as it was read.",
+    "deployed": "The sheet, opened, from above, with the target's outline over it.",
+}
+
+OPTIONAL = frozenset({"loop", "boundary", "contracted_boundary"})
+"""Rows that only some designs have: a null there means that the row does not apply."""
 
 AT_LEAST = frozenset({"opening_min", "min_edge", "coverage", "coverage_strict"})
 
@@ -27,7 +38,8 @@ _ROWS = {
     ),
     "angle": (
         "Corners close",
-        "Round every inner point of the closed sheet the tile angles sum to a full turn.",
+        "Round every inner point of the closed sheet the tile angles sum to a full turn; round an opening that stays, "
+        "with m sides, to m + 2 half turns.",
         "rad",
     ),
     "planarity": ("Tiles are flat", "The corners of every tile lie in one plane.", "of a tile edge"),
@@ -54,6 +66,16 @@ _ROWS = {
     ),
     "gap_contracted": ("No gaps when flat", "Area inside the flat outline that no tile covers.", "of the tiles' area"),
     "loop": ("Designed openings close", "How well the outline of every designed opening closes.", "of a tile edge"),
+    "boundary": (
+        "The rim lies on the outline",
+        "The outer vertex of the deployed sheet farthest from the planar target's outline.",
+        "of a tile edge",
+    ),
+    "contracted_boundary": (
+        "The flat rim is as asked",
+        "The outer vertex of the flat sheet farthest from the outline that was prescribed for it.",
+        "of a tile edge",
+    ),
     "min_edge": ("Smallest edge", "The shortest tile edge, against the median one.", "of a tile edge"),
     "distance_rms": ("Distance to the target", "Root mean square over the deployed vertices.", "of a tile edge"),
     "distance_max": (
@@ -131,14 +153,14 @@ def row_in_words(
         Largest allowed value, or smallest for openings, edges and coverages; None where there is no limit.
     failures : tuple of str, optional
         The judge's sentences, "name: why" each: a row fails where one names it. Without them the row is held
-        against its limit here, and a null row counts as not checked, but for `loop`, which few patterns have.
+        against its limit here, and a null row counts as not checked, but for those of `OPTIONAL`.
     """
     title, meaning, unit = _ROWS.get(name, (name.replace("_", " "), "", ""))
     at_least = name in AT_LEAST
     if failures is not None:
         fails = any(sentence.startswith(f"{name}:") for sentence in failures)
     elif value is None:
-        fails = name != "loop"
+        fails = name not in OPTIONAL
     else:
         fails = limit is not None and not _holds(name, value, limit)
     if value is None:

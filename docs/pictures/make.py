@@ -13,14 +13,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from PIL import Image
 
 import kirisurf
 from kirisurf.publishing import sheet
 from viewers import theme
 from viewers.drawing import colormap
-from viewers.fields import Field
-from viewers.framing import fit_frame
+from viewers.fields import Field, name_unit
+from viewers.framing import fit_frame, round_length
 from viewers.scenes import standard_scenes
 from viewers.snapshot import draw
 
@@ -76,6 +77,7 @@ def strip(designs: Sequence[tuple[str, kirisurf.Design]], path: Path, panel: tup
         )
         frames = {key: fit_frame(scenes[key].view, scenes[key].frame, w / h, margin=0.02) for key in COLUMNS}
         largest = max(frame.half_height for frame in frames.values())
+        _scale(figure, design.spec.units or "unit", 2 * largest / h, left + 1.5 * w, base - 14, 0.35 * w)
         for column, (key, frame) in enumerate(frames.items()):
             x = left + column * w
             axes = figure.add_axes((x / width, base / height, w / width, h / height))
@@ -103,6 +105,19 @@ def _few_colors(picture: Image.Image) -> Image.Image:
     palette[paper : paper + 3] = [255, 255, 255]  # the nearest color to white is not quite white
     result.putpalette(palette)
     return result
+
+
+def _scale(figure: Figure, units: str, per_pixel: float, x: float, y: float, longest: float) -> None:
+    """Draw a scale bar about (x, y), in pixels from the lower left: all pictures of a row have one scale."""
+    width, height = figure.get_size_inches() * DPI
+    length = round_length(longest * per_pixel)
+    half = 0.5 * length / per_pixel
+    ends = ((x - half, y + 10), (x - half, y), (x + half, y), (x + half, y + 10))
+    figure.add_artist(
+        Line2D([px / width for px, _ in ends], [py / height for _, py in ends], color=theme.INK, linewidth=1.2)
+    )
+    label = f"{length:g} {name_unit(units, length)}"
+    figure.text(x / width, (y - 20) / height, label, fontsize=NUMBERS, color=theme.MUTED, ha="center")
 
 
 def _bar(figure: Figure, field: Field, x: float, y: float, length: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 _AT_LEAST = ("opening_min", "min_edge", "coverage", "coverage_strict")
+_OPTIONAL = ("loop", "boundary", "contracted_boundary")
 
 
 def certificate_table(rows: Mapping[str, float | int | None], limits: Mapping[str, float | int]) -> str:
@@ -33,7 +34,7 @@ def _sign(name: str) -> str:
 
 def _verdict(name: str, value: float | int | None, limit: float | int | None) -> str:
     if value is None:
-        return "does not apply" if name == "loop" else "not checked"
+        return "does not apply" if name in _OPTIONAL else "not checked"
     if limit is None:
         return ""
     holds = value > limit if name == "opening_min" else value >= limit if name in _AT_LEAST else value <= limit

@@ -13,22 +13,25 @@ from kirisurf.spec import (
     CLOSENESS,
     DEFAULT_TILES,
     INITIALS,
+    PREFERENCES,
     SOLVERS,
-    TESSELLATIONS,
     UNITS,
     FitSpec,
     parse_cells,
     parse_toml,
 )
+from kirisurf.tessellation_names import tessellation_names
 
 _TEXT = f"""\
-TARGET is a mesh file (STL, OBJ, PLY, OFF, VTP, VTK, glTF) or the name of a sample surface
-(`kirisurf samples` lists them; a file of the same name is written ./NAME). It must be one piece with
-one outline, like a bent sheet. DIR receives the run: the cut pattern (pattern.svg), both states
-(deployed.obj, contracted.obj, and .vtp with every field), the holes' curvature (curvature.csv), the
-certificate (result.json), pictures, and report.html, which explains them.
+TARGET is a mesh file (STL, OBJ, PLY, OFF, VTP, VTK, glTF), a planar outline (SVG, DXF, CSV), or the name of a
+sample surface or outline (`kirisurf samples` lists them; a file of the same name is written ./NAME). A mesh
+must be one piece with one outline, like a bent sheet. DIR receives the run: the cut pattern (pattern.svg),
+both states (deployed.obj, contracted.obj, and .vtp with every field), the holes' curvature (curvature.csv),
+the certificate (result.json), pictures, and report.html, which explains them.
 
-Without --cells or --tiles a sample takes its own number of tiles, a file about {DEFAULT_TILES}.
+Without --cells or --tiles a sample takes its own number of tiles, a file about {DEFAULT_TILES}. On an outline, --cells
+bends a rectangular pattern into it, side by side; --tiles trims a pattern to it. Either way the outer tips end
+exactly on the outline.
 Ctrl-C stops the solver and saves the best point so far; a second Ctrl-C saves nothing.
 
 exit codes: 0 done, 1 done with warnings, 2 wrong parameter, 3 target unreadable, 4 target unusable,
@@ -39,14 +42,18 @@ _EXAMPLES = """\
   kirisurf fit hypar -o runs/hypar                     a sample surface
   kirisurf fit hood.stl -o runs/hood --tiles 400       a file, about 400 tiles, trimmed to its outline
   kirisurf fit hypar -o runs/x --cells 4x4 --closeness exact
+  kirisurf fit face.obj -o runs/face --tessellation kagome
+  kirisurf fit circle -o runs/circle --cells 6x6 --contracted rectangle:1
+                                                       a square sheet that opens into a disc
+  kirisurf fit logo.svg -o runs/logo --tiles 400       any outline
   kirisurf fit --spec runs/hood/run.toml -o runs/again repeat a run
   kirisurf fit -o runs/odd -- -odd-name.obj            after -- nothing is an option"""
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser = add_command(commands, "fit", "design a kirigami sheet for a target surface", _TEXT, _EXAMPLES)
-    parser.add_argument("target", metavar="TARGET", nargs="?", help="mesh file or name of a sample surface")
+    parser = add_command(commands, "fit", "design a kirigami sheet for a surface or an outline", _TEXT, _EXAMPLES)
+    parser.add_argument("target", metavar="TARGET", nargs="?", help="mesh or outline file, or a sample's name")
     parser.add_argument("-o", "--output", metavar="DIR", required=True, help="run folder: new or empty")
     parser.add_argument(
         "--overwrite", action="store_true", help="replace an old run in DIR once the new one is complete"
@@ -68,7 +75,7 @@ def add_spec_options(parser: Parser) -> None:
     add(
         pattern,
         "--tessellation",
-        f"{' | '.join(TESSELLATIONS)} | FILE; this version fits quad (default)",
+        f"{' | '.join(tessellation_names())}, or the FILE of a unit cell; default: quad",
         metavar="NAME",
     )
     add(
@@ -105,13 +112,14 @@ def add_spec_options(parser: Parser) -> None:
     add(
         solve,
         "--initial",
-        f"start: {' | '.join(INITIALS)}; default: auto (rescaled and teichmuller: not in this version)",
+        f"start: {' | '.join(INITIALS)}; default: auto",
         metavar="NAME",
     )
     add(
         solve,
         "--contracted",
-        "shape of the flat sheet: free (default); rectangle, rectangle:RATIO and FILE come later",
+        "shape of the flat sheet: free (default), rectangle, rectangle:RATIO (width over height), or an outline, whose "
+        "size is free: a name or FILE (svg, dxf, csv); needs --cells",
         metavar="SHAPE",
     )
     add(
@@ -137,6 +145,21 @@ def add_spec_options(parser: Parser) -> None:
         "smallest opening between neighboring tiles in degrees; default: 3",
         metavar="DEGREES",
         type=number,
+    )
+
+    add(
+        solve,
+        "--max-opening",
+        "largest opening between neighboring tiles in degrees; default: none",
+        metavar="DEGREES",
+        type=number,
+    )
+    add(solve, "--min-corner", "smallest angle of a tile in degrees; default: none", metavar="DEGREES", type=number)
+    add(
+        solve,
+        "--prefer",
+        f"which of the sheets that meet every row: {' | '.join(PREFERENCES)}; default: balanced",
+        metavar="NAME",
     )
 
     target = parser.add_argument_group("target")

@@ -28,14 +28,14 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
         Where it was interrupted before there was anything to keep, or twice.
     """
     from kirisurf.design import fit_loaded
-    from kirisurf.targets import load_with_notes
+    from kirisurf.targets import loaded
 
     progress: Progress = Bar(spec.tolerance) if output.is_terminal else Lines(output.message)
     # The folder is opened first: what is wrong with it should not be learned after an hour of solving.
     with RunFolder(folder, overwrite) as opened, Interruption(output.message) as stop, progress:
         progress.stage(f"reading {spec.target}")
         began = time.perf_counter()
-        surface, notes = load_with_notes(spec.target)
+        spec, surface, notes = loaded(spec)
         seconds = time.perf_counter() - began
         stop.stage = "solving"
         progress.stage("solving")

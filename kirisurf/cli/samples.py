@@ -9,10 +9,10 @@ from kirisurf.cli.output import Outcome, Output
 from kirisurf.cli.parser import add_command
 
 _TEXT = """\
-Sample surfaces are made on the spot from their formulas; the name stands for the surface wherever a TARGET is
-asked for. Tessellations are listed with their linear stretch from closed to open (two numbers where it depends on
-the direction); "not fitted yet" marks those that this version knows and does not fit. Those with a file are
-examples of how a unit cell of your own is written."""
+Sample surfaces and planar outlines are made on the spot from their formulas; the name stands for the target
+wherever a TARGET is asked for. Tessellations are listed with their linear stretch from closed to open (two
+numbers where it depends on the direction). Those with a file are examples of how a unit cell of your own is
+written: --tessellation FILE takes it."""
 
 _EXAMPLES = """\
   kirisurf samples
@@ -22,7 +22,8 @@ _EXAMPLES = """\
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    parser = add_command(commands, "samples", "list the sample surfaces and tessellations", _TEXT, _EXAMPLES)
+    about = "list the sample surfaces, tessellations and planar outlines"
+    parser = add_command(commands, "samples", about, _TEXT, _EXAMPLES)
     parser.set_defaults(run=run)
 
 
@@ -30,6 +31,7 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     """Run the command."""
     import dataclasses
 
+    from kirisurf import outlines
     from kirisurf.targets import samples
 
     found = samples()
@@ -45,24 +47,23 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
         most, least = each["stretch"]
         stretch = f"{most:.3f}" if most - least < 1e-6 else f"{most:.3f} and {least:.3f}"
         reached = f"stretch 1 to {stretch}" if each["moves"] else f"stretch 1 or {stretch}, nothing between"
-        notes = "" if each["fitted"] else "; not fitted yet"
-        notes += f"; file {each['file']}" if each["file"] else ""
-        output.product(f"  {each['name']:<{width}}  {each['title']} ({reached}{notes})")
-    return Outcome(0, {"samples": [dataclasses.asdict(sample) for sample in found], "tessellations": tessellations})
+        note = f"; file {each['file']}" if each["file"] else ""
+        output.product(f"  {each['name']:<{width}}  {each['title']} ({reached}{note})")
+    planar = [
+        {"name": name, "title": outlines.title(name), "published": outlines.is_published(name)}
+        for name in outlines.names()
+    ]
+    output.product("planar outlines:")
+    for each in planar:
+        paper = " (published target)" if each["published"] else ""
+        output.product(f"  {each['name']:<{width}}  {each['title']}{paper}")
+    surfaces = [dataclasses.asdict(sample) for sample in found]
+    return Outcome(0, {"samples": surfaces, "tessellations": tessellations, "outlines": planar})
 
 
 def _tessellations() -> list[dict[str, Any]]:
-    """What is known of every tessellation; fitted is what the spec of a fit accepts, asked on the spot."""
-    from kirisurf.errors import ParameterError
-    from kirisurf.spec import FitSpec
+    """What is known of every tessellation."""
     from kirisurf.unit_cells import catalog
-
-    def is_fitted(name: str) -> bool:
-        try:
-            FitSpec(target="hypar", tessellation=name)
-        except ParameterError:
-            return False
-        return True
 
     listed = []
     for entry in catalog():
@@ -74,7 +75,6 @@ def _tessellations() -> list[dict[str, Any]]:
                 "tiles": len(cell.tiles),
                 "stretch": [float(stretch) for stretch in cell.stretches],
                 "moves": entry.moves,
-                "fitted": is_fitted(file or entry.name),
                 "file": file,
             }
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from kirisurf.latest import Latest
+from kirisurf.slit_ends import SlitEnds
 from kirisurf.tessellation import Tessellation
 from kirisurf.vectors import add_origin, dot, gathered, outer
 
@@ -29,11 +30,14 @@ class FacingTiles:
 
     def __init__(self, tessellation: Tessellation, start: np.ndarray, margin: float = MARGIN) -> None:
         # (a, b, c, d, e), in the order of the opening rows: equal stencils share their place in the assembly
-        self.stencil = tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2, 3, 4]]
+        ends = SlitEnds.of(tessellation)
+        self.stencil = ends.stencil
         self.curvature_stencil = self.stencil
         self._margin = margin
         self._sides = Latest(self._sides_at)
-        self._scale = 1.0 / np.sqrt(np.prod([dot(side, side) for side in self._sides(start)], axis=0))
+        self._scale = ends.signs.prod(axis=0) / np.sqrt(
+            np.prod([dot(side, side) for side in self._sides(start)], axis=0)
+        )
 
     def _sides_at(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
         a, *others = gathered(points, self.stencil)

@@ -10,6 +10,7 @@ import numpy as np
 
 from kirisurf.latest import Latest
 from kirisurf.normal_product import gradient, hessian
+from kirisurf.slit_ends import SlitEnds
 from kirisurf.tessellation import Tessellation
 from kirisurf.vectors import add_origin, cross, dot, gathered
 
@@ -28,12 +29,13 @@ class OpenHinges:
 
     def __init__(self, tessellation: Tessellation, margin: float, start: np.ndarray) -> None:
         self.margin = margin
+        ends = SlitEnds.of(tessellation)
         # (a, b, c, d of the first row, d of the second)
-        self.stencil = tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2, 3, 4]]
+        self.stencil = ends.stencil
         self.curvature_stencil = self.stencil
         self._sides = Latest(self._sides_at)
         lb, lc, ld, le = (np.sqrt(dot(side, side)) for side in self._sides(start))
-        self._scale = 1.0 / np.stack([lb * lc**2 * ld, lc * lb**2 * le])
+        self._scale = ends.signs / np.stack([lb * lc**2 * ld, lc * lb**2 * le])
 
     def _sides_at(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
         a, *others = gathered(points, self.stencil)

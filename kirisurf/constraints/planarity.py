@@ -1,25 +1,28 @@
-"""Tiles with more than three corners are flat: volumes of successive tetrahedra vanish."""
+"""Tiles with more than three corners are flat: volumes of tetrahedra of their corners vanish."""
 
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Int
 
 from kirisurf.latest import Latest
-from kirisurf.tessellation import Tessellation
 from kirisurf.vectors import add_origin, cross, dot, gathered
 
 
 class FlatTiles:
-    """k - 3 rows for every tile of k corners: det(b - a, c - a, d - a) over a and three more corners, over L^3."""
+    """One row for every diagonal of a tile: det(b - a, c - a, d - a) over its ends a, c and the corners b, d, over L^3.
+
+    Parameters
+    ----------
+    diagonals : (g, 4) int
+        (a, b, c, d), see :class:`kirisurf.triangulation.TriangulatedTiles`: k - 3 for a tile of k corners.
+    """
 
     name = "planarity"
     n_rows = 1
 
-    def __init__(self, tessellation: Tessellation, size: int) -> None:
-        _, tiles = tessellation.tiles.by_size()[size]
-        # (a, b, c, d) = first corner and three consecutive ones, so that each row adds one corner
-        stencils = [tiles[:, [0, k, k + 1, k + 2]] for k in range(1, size - 2)]
-        self.stencil = np.concatenate(stencils)
+    def __init__(self, diagonals: Int[np.ndarray, "g 4"]) -> None:
+        self.stencil = np.asarray(diagonals, dtype=np.int64)
         self.curvature_stencil = self.stencil
         self._edges = Latest(self._edges_at)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from kirisurf.block import Block
 from kirisurf.corner_angle import CornerAngles
 from kirisurf.latest import Latest
 from kirisurf.tessellation import Tessellation
@@ -74,17 +77,35 @@ class EqualNeighbors:
 
     The objective is 1/2 weight sum rows^2 (Choi, Dudte, Mahadevan 2019, equation for the smoothness of the
     tiling, there divided by the number of pairs).
+
+    Parameters
+    ----------
+    tessellation : Tessellation
+    size : int
+        Corners k of the tiles.
+    shapes : callable
+        Makes the block of the tiles' own rows from their vertices (t, k).
+    corners : (s,) int, optional
+        Vertices of all tiles' corners, in the order of `tessellation.tiles.indices`, where it is not these that
+        are compared.
     """
 
     name = "fairness"
 
-    def __init__(self, tessellation: Tessellation, size: int) -> None:
+    def __init__(
+        self,
+        tessellation: Tessellation,
+        size: int,
+        shapes: Callable[[np.ndarray], Block] = TileShapes,
+        corners: np.ndarray | None = None,
+    ) -> None:
         pairs = neighbor_tiles(tessellation)
         pairs = pairs[(tessellation.tiles.sizes[pairs] == size).all(axis=1)]
         tiles, places = np.unique(pairs, return_inverse=True)
         self.pairs = places.reshape(-1, 2)
-        loops = tessellation.tiles.indices[tessellation.tiles.offsets[tiles][:, None] + np.arange(size)]
-        self.inner = TileShapes(loops)
+        vertices = tessellation.tiles.indices if corners is None else corners
+        loops = vertices[tessellation.tiles.offsets[tiles][:, None] + np.arange(size)]
+        self.inner = shapes(loops)
         self.n_rows = self.inner.n_rows
         self.stencil = loops[self.pairs].reshape(len(pairs), 2 * size)
         self.curvature_stencil = self.inner.curvature_stencil

@@ -43,7 +43,8 @@ class RimDistance:
         self._conormals = np.where(near[:, None], projection.rim_conormals, 0.0)
 
     def _beyond(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        beyond = np.einsum("ki,ki->k", points - self._points, self._conormals)
+        # of a problem with both states, the deployed points come first
+        beyond = np.einsum("ki,ki->k", points[: len(self._points)] - self._points, self._conormals)
         return beyond, np.where(beyond > 0, 1.0, self._inside)
 
     def residual(self, points: np.ndarray) -> np.ndarray:

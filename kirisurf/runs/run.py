@@ -30,6 +30,7 @@ DEPLOYED, CONTRACTED, HOLES, TARGET = "deployed", "contracted", "holes", "target
 # What a run is read from; the report, the pictures and the tables may be edited or rewritten.
 _READ = (SPEC, "deployed.obj", "contracted.obj", "deployed.vtp", "contracted.vtp", "holes.vtp", "target.vtp")
 # Fields that carry the tessellation itself; everything else in the VTP files is a measure.
+ASKED_STRETCH = "asked_stretch"
 WELD, CELL, STANDARD_DEPLOYED, STANDARD_CONTRACTED = "weld", "cell", "standard_deployed", "standard_contracted"
 
 
@@ -97,6 +98,20 @@ class Run:
         """The target surface, in the frame of the run's files."""
         surface = read_surface(self.folder / "target.vtp")
         return Surface(surface.vertices, surface.faces, str(self.result["target"]["name"]))
+
+    @cached_property
+    def asked_stretch(self) -> Float[np.ndarray, " v"]:
+        """Stretch that the target asks for at its vertices.
+
+        Raises
+        ------
+        UnreadableError
+            Where the file of the target does not hold it.
+        """
+        fields = read_with_fields(source.load(self.folder / "target.vtp")).point_fields
+        if ASKED_STRETCH not in fields:
+            raise UnreadableError(f"{self.folder / 'target.vtp'}: expected the field {ASKED_STRETCH}, got none")
+        return frozen(fields[ASKED_STRETCH].ravel())
 
     @cached_property
     def fields(self) -> Mapping[tuple[str, str], np.ndarray]:

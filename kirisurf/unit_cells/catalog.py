@@ -9,15 +9,14 @@ from functools import partial
 from pathlib import Path
 
 from kirisurf.errors import ParameterError
-from kirisurf.spec import is_file_name
+from kirisurf.naming import is_file_name
+from kirisurf.tessellation_names import FILES, SUFFIX
 from kirisurf.unit_cell import UnitCell, quad_cell
-from kirisurf.unit_cells.cell_file import SUFFIX, read_cell, read_title
+from kirisurf.unit_cells.cell_file import read_cell, read_title
 from kirisurf.unit_cells.hexagon import hexagon_cell
 from kirisurf.unit_cells.islamic_quad import islamic_quad_cell
 from kirisurf.unit_cells.islamic_triangle import islamic_triangle_cell
 from kirisurf.unit_cells.kagome import kagome_cell
-
-FILES = Path(__file__).with_name("files")
 
 
 @dataclass(frozen=True)

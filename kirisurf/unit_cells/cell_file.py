@@ -36,7 +36,6 @@ from kirisurf.unit_cell import UnitCell
 from kirisurf.unit_cells.arithmetic import parse_number
 from kirisurf.unit_cells.checks import check_cell
 
-SUFFIX = ".cell"
 LIMIT_MB = 1
 MOST_TILES = 1000
 _LARGEST = 1e9

@@ -24,7 +24,8 @@ def test_rows_have_the_names_and_order_of_the_interface(flat_design):
     design = flat_design()
     names = (
         "length, angle, planarity, isometry, closure, opening_min, intersections, overlap_contracted, "
-        "gap_contracted, loop, min_edge, distance_rms, distance_max, reach_rms, reach_max, coverage, coverage_strict"
+        "gap_contracted, loop, boundary, contracted_boundary, min_edge, distance_rms, distance_max, reach_rms, "
+        "reach_max, coverage, coverage_strict"
     )
     assert ", ".join(certify(design.deployed, design.contracted, design.tiles).rows) == names == ", ".join(ROWS)
 
@@ -380,3 +381,19 @@ def test_not_finite_is_refused(flat_design):
     design = flat_design()
     with pytest.raises(UnusableError, match="expected finite numbers"):
         certify(_move(design.deployed, 2, (np.nan, 0, 0)), design.contracted, design.tiles)
+
+
+def test_tiles_that_overlap_in_the_plane_of_the_deployed_sheet_are_counted() -> None:
+    """No crossing in space shows tiles of one plane that overlap, nor neighbors that overlap beside their hinge."""
+    pattern = quad_pattern(2, 2, 0.5)
+    flat = np.c_[pattern.deployed, np.zeros(pattern.n_vertices)]
+    assert certify(flat, pattern.contracted, pattern.tiles).rows["intersections"] == 0
+    count = np.bincount(pattern.tiles.indices, minlength=pattern.n_vertices)
+    tip = int(np.flatnonzero(count == 1)[0])
+    own = next(k for k, tile in enumerate(pattern.tiles) if tip in tile)
+    neighbor = next(k for k, tile in enumerate(pattern.tiles) if k != own and set(tile) & set(pattern.tiles[own]))
+    moved = flat.copy()
+    moved[tip] = flat[pattern.tiles[neighbor]].mean(axis=0)
+    turn = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))[0]
+    for points in (moved, moved @ turn.T):
+        assert certify(points, pattern.contracted, pattern.tiles).rows["intersections"] >= 1

@@ -19,7 +19,12 @@ PUBLISHED = [
     "3d/quad_hypar_w4_h4_i3_f0_r0",
     "3d/quad_mexicanhat2_w4_h4_i1_f0_r0",
     "3d/triangle_peaks_w3_h4_i3_f1_r0",
+    "3d/triangle_sphere_w3_h4_i3_f0_r0",
     "2d/islamicquad_anvil_w3_h2_i4",
+    "2d/islamictriangle_wedge_w3_h3_i4",
+    "2d/triangle_circle_w3_h3_i1_f0_r0",
+    "2d/quad_circle_w5_h5_i3_f1_r1",
+    "2d/hexagon_anvil_w4_h2_i4_f1",
 ]
 RIGID = ("length", "angle", "planarity", "isometry")
 
@@ -55,7 +60,11 @@ def test_rigid_rows_of_published_results_agree(reference, name):
     ours = certify(deployed, contracted, Loops.from_lists(tiles), weld=coincident(contracted, radius * length))
     theirs = audited(reference / "audit.py", *files, "--weld", radius)
     for row in RIGID:
-        assert ours.rows[row] == pytest.approx(theirs[row], rel=1e-6, abs=1e-12), row
+        if row == "angle" and theirs[row] is None:
+            # no inner point that tiles close round: only ours knows the law of the openings
+            assert 0 < ours.rows[row] < 1e-2 and ours.rows["loop"] < 1e-2
+        else:
+            assert ours.rows[row] == pytest.approx(theirs[row], rel=1e-6, abs=1e-12), row
     assert ours.rows["min_edge"] == pytest.approx(theirs["min_edge"])
     assert ours.rows["intersections"] == theirs["intersections"]
     assert ours.rows["gap_contracted"] == pytest.approx(theirs["flat_gap"], abs=1e-6)

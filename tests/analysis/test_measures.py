@@ -9,13 +9,17 @@ from analysis.measures import measure
 from analysis.tables import HOLE_COLUMNS
 from kirisurf.errors import UnusableError
 from kirisurf.pattern import quad_pattern
+from kirisurf.surface import Surface
+from kirisurf.unit_cells.catalog import find_cell
+from tests.analysis.patterns import NAMES, in_space, regular
 
 FIELDS = {
-    "vertex": "distance distance_over_edge closure_gap residual_ring",
-    "tile": "planarity isometry area size_ratio tile_angle_deviation",
+    "vertex": "distance distance_over_edge closure_gap residual_ring opening_angle_mean",
+    "tile": "planarity isometry area size_ratio smallest_edge corner_angle_min corner_angle_max tile_angle_deviation "
+    "area_magnification",
     "hole": "mean_curvature gaussian_curvature mean_curvature_averaged gaussian_curvature_averaged "
     "target_mean_curvature target_gaussian_curvature gaussian_curvature_difference mean_curvature_difference "
-    "area opening_angle flag",
+    "area opening_angle opening_angle_mean flag",
 }
 
 
@@ -34,7 +38,8 @@ def test_fields_have_their_names_and_lengths(lifted):
     lengths = {"vertex": pattern.n_vertices, "tile": pattern.n_tiles, "hole": len(pattern.holes)}
     expected = {(where, name): lengths[where] for where, names in FIELDS.items() for name in names.split()}
     assert {key: len(value) for key, value in measures.fields.items()} == expected
-    assert all(np.isfinite(value).all() for value in measures.fields.values())
+    partial = {("vertex", "opening_angle_mean"), ("tile", "area_magnification")}
+    assert all(np.isfinite(value).all() for key, value in measures.fields.items() if key not in partial)
 
 
 def test_flat_design_measures_as_what_it_is(flat_design, grid_surface):
@@ -72,8 +77,8 @@ def test_measures_do_not_depend_on_the_frame(lifted, rotation):
     two = measure(pattern, 5 * points @ rotation.T + 40.0, 5 * pattern.contracted, moved)
     powers = {"distance": 1, "area": 2, "closure_gap": 1}
     for (where, name), value in one.fields.items():
-        power = powers.get(name, -2 if "gaussian" in name else -1 if "mean" in name else 0)
-        assert two.fields[where, name] == pytest.approx(value * 5.0**power, rel=1e-5, abs=1e-8), name
+        power = powers.get(name, -2 if "gaussian" in name else -1 if "mean_" in name and "angle" not in name else 0)
+        assert two.fields[where, name] == pytest.approx(value * 5.0**power, rel=1e-5, abs=1e-8, nan_ok=True), name
 
 
 def test_closed_sheet_has_holes_without_area(grid_surface):
@@ -116,3 +121,58 @@ def test_arrays_of_another_length_are_refused(lifted):
         measure(pattern, points[:-1], pattern.contracted, target)
     with pytest.raises(UnusableError, match="contracted vertices: expected shape"):
         measure(pattern, points, pattern.contracted[:-1], target)
+
+
+def _numbers(pattern, **more) -> dict:
+    space = in_space(pattern.deployed)
+    low, high = space.min(axis=0) - 1, space.max(axis=0) + 1
+    corners = np.array([[low[0], low[1], 0], [high[0], low[1], 0], [high[0], high[1], 0], [low[0], high[1], 0]])
+    target = Surface.from_arrays(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    return dict(measure(pattern, space, pattern.contracted, target, **more).numbers)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_regular_pattern_measures_as_its_cell(name):
+    pattern = regular(name, 4)
+    numbers = _numbers(pattern)
+    assert numbers["tile_area_spread"] <= 1e-12 and numbers["edge_length_spread"] <= 1e-12
+    assert numbers["n_flagged_holes"] == 0
+    assert numbers["porosity"] == pytest.approx(numbers["hole_area"] / (numbers["hole_area"] + numbers["tile_area"]))
+    assert numbers["linear_magnification"] ** 2 == pytest.approx(numbers["area_magnification"])
+    assert 0 < numbers["opening_angle_min"] <= numbers["opening_angle_mean"] <= numbers["opening_angle_max"] < np.pi
+    assert 0 < numbers["corner_angle_min"] <= numbers["corner_angle_max"] < 2 * np.pi
+    assert numbers["edge_length_min"] <= numbers["edge_length"]
+    # a finite sheet opens less than an infinite one: its rim does not open
+    cell = find_cell(name)
+    assert 1 < numbers["area_magnification"] < np.prod(cell.stretches)
+
+
+def test_corner_angles_of_the_published_tiles():
+    degrees = {"quad": (90, 90), "kagome": (60, 60), "hexagon": (120, 120), "islamic-quad": (45, 225)}
+    for name, (smallest, largest) in degrees.items():
+        numbers = _numbers(regular(name, 2))
+        assert np.degrees(numbers["corner_angle_min"]) == pytest.approx(smallest, abs=1e-9), name
+        assert np.degrees(numbers["corner_angle_max"]) == pytest.approx(largest, abs=1e-9), name
+
+
+def test_the_boundary_layer_is_measured_where_the_outline_is_given():
+    pattern = regular("quad", 3)
+    x, y = np.ptp(pattern.deployed, axis=0) / 2
+    outline = np.array([[-x, -y], [x, -y], [x, y], [-x, y]])
+    numbers = _numbers(pattern, target_outline=outline)
+    assert numbers["boundary_layer_area"] == pytest.approx(11 / 72)
+    assert numbers["outline_area_difference"] == pytest.approx(1 / 12)
+    assert "boundary_layer_area" not in _numbers(pattern)
+
+
+def test_openings_stand_at_their_vertices_and_holes():
+    pattern = quad_pattern(3, 3, 0.4)
+    space = in_space(pattern.deployed)
+    corners = np.array([[-9.0, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]])
+    target = Surface.from_arrays(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    field = measure(pattern, space, pattern.contracted, target).fields
+    ends = np.unique(pattern.hinges[pattern.slit_ends, 1])
+    at = field["vertex", "opening_angle_mean"]
+    assert at[ends] == pytest.approx(np.full(len(ends), 0.8))
+    assert np.isnan(np.delete(at, ends)).all()
+    assert field["hole", "opening_angle_mean"] == pytest.approx(field["hole", "opening_angle"])

@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from analysis.bernstein import bernstein, cubic_basis, difference_matrix
-from analysis.patches import BezierPatch, conditions, fit_patches, hole_patches, surrounding_vertices
+from analysis.bezier import BezierPatch
+from analysis.curvature import hole_curvature
+from analysis.patches import conditions, fit_patches, hole_patches, surrounding_vertices
 from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
+from tests.analysis.patterns import NAMES, in_space, regular
 
 # B_0 ... B_3 at 1/4, and their derivatives: 27, 27, 9, 1 over 64; -27, 9, 15, 3 over 16; 72, -120, 24, 24 over 16
 QUARTER = [
@@ -126,14 +129,70 @@ def test_samples_of_flat_quad_holes_are_the_bilinear_blend_of_their_corners(flat
         assert patch == pytest.approx(np.array(rows), abs=1e-12)
 
 
-def test_no_samples_for_flagged_holes_or_other_polygons(flat_design):
+def test_no_samples_for_flagged_holes(flat_design):
     holes = hole_patches(flat_design(2, 2).deployed, flat_design(2, 2).tessellation)
     flagged = replace(holes, ill_conditioned=np.arange(len(holes.patches)) == 3)
     assert np.isnan(flagged.sample(4)).all(axis=(1, 2, 3)).tolist() == [k == 3 for k in range(len(holes.patches))]
-    triangles = replace(holes, corners=Loops.from_lists([loop[:3] for loop in holes.corners]))
-    assert np.isnan(triangles.sample(2)).all()
     with pytest.raises(ParameterError, match="at least 2"):
         holes.sample(1)
+
+
+@pytest.mark.parametrize("name", ["kagome", "hexagon", "islamic-triangle", "right-triangles"])
+def test_samples_over_other_polygons_reach_from_the_center_to_every_corner(name):
+    pattern = regular(name)
+    points = in_space(pattern.deployed)
+    grid = hole_patches(points, pattern).sample(4)
+    assert grid.shape == (len(pattern.holes), 4, 2 * pattern.holes.sizes.max() + 1, 3)
+    for hole, patch in zip(pattern.holes, grid, strict=True):
+        corners = points[hole]
+        assert patch[0] == pytest.approx(np.broadcast_to(corners.mean(axis=0), patch[0].shape), abs=1e-9)
+        apart = np.linalg.norm(patch[-1][:, None] - corners, axis=2)
+        assert apart.min(axis=0).max() <= 1e-9
+        assert patch[-1][0] == pytest.approx(patch[-1][-1])
+        # the rim of the grid is the polygon: points between the corners lie on its sides
+        length = np.linalg.norm(np.diff(patch[-1], axis=0), axis=1).sum()
+        assert length == pytest.approx(np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).sum())
+
+
+GRAPHS = {
+    "sphere": (lambda x, y: np.sqrt(4 - x * x - y * y), lambda x, y: 0 * x + 0.25),
+    "paraboloid": (lambda x, y: 0.5 * (x * x + y * y), lambda x, y: (1 + x * x + y * y) ** -2.0),
+    "hypar": (lambda x, y: 0.5 * x * y, lambda x, y: -0.25 * (1 + 0.25 * (x * x + y * y)) ** -2.0),
+}
+
+
+def _relative_error(name: str, graph: str, n: int) -> tuple[float, float]:
+    """Median error of K at the hole centers over the median |K|, and the share of flagged holes."""
+    height, exact = GRAPHS[graph]
+    pattern = regular(name, n)
+    flat = pattern.deployed - pattern.deployed.mean(axis=0)
+    flat = 0.9 * flat / np.abs(flat).max()
+    holes = hole_patches(np.column_stack([flat, height(*flat.T)]), pattern)
+    found = hole_curvature(holes)
+    truth = exact(*found.centers[:, :2].T)
+    return float(np.median(np.abs(found.gaussian - truth)) / np.median(np.abs(truth))), holes.ill_conditioned.mean()
+
+
+@pytest.mark.parametrize("graph", GRAPHS)
+@pytest.mark.parametrize("name", NAMES)
+def test_curvature_of_every_pattern_on_a_surface_is_of_second_order(name, graph):
+    (coarse, flagged), (fine, still) = (_relative_error(name, graph, n) for n in (8, 16))
+    assert flagged == still == 0
+    assert fine <= 3e-3
+    # a paraboloid z = xy/2 is nearly met by a patch whatever its size: then the smoothing is what is left
+    assert np.log2(coarse / fine) >= 1.8 or fine <= 5e-5
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_holes_of_trimmed_sheets_are_closed_and_have_their_tiles_all_round(name):
+    pattern = regular(name, 6, trimmed=True)
+    holes = hole_patches(in_space(pattern.deployed), pattern)
+    assert not holes.ill_conditioned.any()
+    whole = set(surrounding_vertices(regular(name, 6)).sizes.tolist())
+    assert set(surrounding_vertices(pattern).sizes.tolist()) <= whole
+    # notches of the rim are no holes: no hole has a vertex pair that is a side of the outline alone
+    outline = {tuple(e) for e in np.stack([pattern.outline, np.roll(pattern.outline, -1)], axis=1).tolist()}
+    assert not outline & {tuple(e) for e in pattern.holes.edges[:, ::-1].tolist()}
 
 
 def test_points_on_a_conic_are_ill_conditioned():

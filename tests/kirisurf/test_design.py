@@ -80,7 +80,7 @@ def test_a_sample_brings_its_size_and_units() -> None:
     [
         ("hyparr", UnreadableError, "did you mean 'hypar'"),
         ("nothing.stl", UnreadableError, "nothing.stl"),
-        ("outline.svg", ParameterError, "planar outline.*not available"),
+        ("outline.svg", UnreadableError, "outline.svg"),
         (5, ParameterError, "expected a file"),
         ((np.zeros((3, 3)), np.array([[0, 1, 7]])), UnusableError, "expected vertex indices"),
         ((np.full((3, 3), np.nan), np.array([[0, 1, 2]])), UnusableError, "finite"),

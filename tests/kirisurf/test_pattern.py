@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kirisurf.adjacency import adjacency
 from kirisurf.derive import derive_tessellation, n_outer_loops
 from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.loops import Loops
 from kirisurf.pattern import quad_pattern, tile_pattern
 from kirisurf.tessellation import Tessellation
-from kirisurf.trimming import sound_mask
+from kirisurf.trimming import sound_tiles
 from kirisurf.unit_cell import quad_cell
 
 
@@ -45,10 +46,24 @@ def disk_mask(n: int, radius: float) -> np.ndarray:
     return sound_mask(x[:, None] ** 2 + x[None] ** 2 <= radius**2)
 
 
+def cells_of(mask: np.ndarray) -> np.ndarray:
+    """Mask (columns, rows, 4) of the quad cells of a tile mask with even sides."""
+    return np.stack([mask[0::2, 0::2], mask[1::2, 0::2], mask[0::2, 1::2], mask[1::2, 1::2]], axis=-1)
+
+
+def sound_mask(mask: np.ndarray) -> np.ndarray:
+    """The sound part of a quad tile mask."""
+    even = np.pad(mask, [(0, side % 2) for side in mask.shape])
+    sound = sound_tiles(cells_of(even), adjacency(quad_cell()))
+    tiles = np.zeros_like(even)
+    for k, (column, row) in enumerate([(0, 0), (1, 0), (0, 1), (1, 1)]):
+        tiles[column::2, row::2] = sound[:, :, k]
+    return tiles[: mask.shape[0], : mask.shape[1]]
+
+
 def masked(mask: np.ndarray) -> Tessellation:
     """Quad pattern of a tile mask with even sides."""
-    cells = np.stack([mask[0::2, 0::2], mask[1::2, 0::2], mask[0::2, 1::2], mask[1::2, 1::2]], axis=-1)
-    return tile_pattern(quad_cell(0.5), cells)
+    return tile_pattern(quad_cell(0.5), cells_of(mask))
 
 
 @pytest.mark.parametrize("n", [8, 14, 20])

@@ -111,21 +111,42 @@ def test_a_wrong_value_is_refused_with_what_was_expected(values: dict) -> None:
 @pytest.mark.parametrize(
     "values",
     [
-        {"tessellation": "kagome"},
-        {"tessellation": "hexagon"},
-        {"tessellation": "islamic-quad"},
         {"tessellation": "islamic-triangle"},
-        {"tessellation": "cells/mine.toml"},
+        {"tessellation": "trihexagonal"},
+        {"tessellation": "cells/mine.cell"},
         {"initial": "teichmuller"},
-        {"initial": "rescaled"},
         {"contracted": "rectangle"},
         {"contracted": "rectangle:2"},
         {"contracted": "outline.svg"},
+        {"contracted": "disc"},
+        {"max_opening": 90.0, "min_corner": 20.0},
+        {"prefer": "smoothest"},
     ],
     ids=str,
 )
-def test_an_option_of_a_later_version_is_refused_by_name(values: dict) -> None:
-    with pytest.raises(ParameterError, match="not available in this version"):
+def test_shapes_of_the_sheet_survive_the_round_trip(values: dict) -> None:
+    spec = FitSpec("x.stl", **values)
+    assert FitSpec.from_toml(spec.to_toml()) == spec
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"tessellation": "kagom"}, "did you mean 'kagome'"),
+        ({"contracted": "rectangle:"}, "rectangle:RATIO"),
+        ({"contracted": "rectangle:nan"}, "rectangle:RATIO"),
+        ({"contracted": "rectangle:1e9"}, "0.01 to 100"),
+        ({"contracted": " "}, "expected free"),
+        ({"contracted": 2}, "expected free"),
+        ({"max_opening": 2.0}, "more than the smallest opening"),
+        ({"max_opening": 181.0}, "up to 180"),
+        ({"min_corner": 61.0}, "up to 60"),
+        ({"prefer": "smooth"}, "did you mean 'smoothest'"),
+    ],
+    ids=str,
+)
+def test_shapes_of_the_sheet_are_checked(values: dict, said: str) -> None:
+    with pytest.raises(ParameterError, match=said):
         FitSpec("x.stl", **values)
 
 

@@ -82,7 +82,7 @@ def test_every_import_is_declared() -> None:
 
 def test_every_dependency_is_imported() -> None:
     """A dependency that nothing imports is a download for nothing; vtk is pyvista's, pinned because of its ABI."""
-    modules = {"libigl": "igl", "pillow": "PIL", "tomli-w": "tomli_w"}
+    modules = {"fonttools": "fontTools", "libigl": "igl", "pillow": "PIL", "tomli-w": "tomli_w"}
     imported = set().union(*(_imported(package) for package in PACKAGES))
     names = [requirement.name for requirement in map(Requirement, PROJECT["dependencies"])]
     assert [name for name in names if modules.get(name, name) not in imported | {"vtk"}] == []

@@ -10,9 +10,9 @@ import pytest
 from PIL import Image
 
 from kirisurf.errors import OutputError, ParameterError
-from viewers.parts import ReportParts, curvature_summary, verdict
+from viewers.parts import ReportParts, curvature_summary, feasibility, is_planar, verdict
 from viewers.report import report_html, write_report
-from viewers.words import CAPTIONS
+from viewers.words import CAPTIONS, PLANAR_CAPTIONS
 
 ROWS = {
     "length": 3e-13,
@@ -93,7 +93,7 @@ def parts(sheet, tmp_path) -> ReportParts:
         limits=LIMITS,
         failures=(),
         fields=sheet.fields,
-        numbers={"tile_area": 1.5},
+        numbers={"tile_area": 1.5, "porosity": 0.25, "mean_curvature_difference_median": 0.5},
         tables={"curvature": [{"hole": k, "mean_curvature": 0.1 * k, "flag": 0} for k in range(25)]},
         pictures={"deployed": tmp_path / "deployed.png", "pattern": tmp_path / "pattern.svg"},
         notes=("The opening is 60 % because of the stretch.",),
@@ -239,3 +239,91 @@ def test_missing_and_strange_pictures_are_refused(parts, tmp_path):
 def test_an_unwritable_place_is_an_output_error(parts, tmp_path):
     with pytest.raises(OutputError):
         write_report(parts, tmp_path / "missing" / "report.html")
+
+
+FEASIBILITY = {
+    "sentence": "The target asks for more than quads can give.",
+    "advice": "Take kagome.",
+    "least": 1.0,
+    "most": 1.414213562,
+    "spread": [0.9, 1.7],
+    "outside": 0.125,
+}
+
+
+def test_what_was_said_before_solving_is_in_the_report(parts):
+    page = Page(report_html(replace(parts, result={**parts.result, "feasibility": FEASIBILITY})))
+    for words in (FEASIBILITY["sentence"], FEASIBILITY["advice"], "1 to 1.41", "0.9 to 1.7", "12 %"):
+        assert words in page.text
+    assert "Can the target be reached?" not in Page(report_html(parts)).text
+
+
+@pytest.mark.parametrize("missing", list(FEASIBILITY))
+def test_feasibility_may_be_known_in_part(parts, missing):
+    part = {**FEASIBILITY, missing: None}
+    shown = feasibility(replace(parts, result={"feasibility": part}))
+    assert shown is not None
+    assert (shown.possible == "") == (missing in ("least", "most"))
+    assert (shown.asked == "") == (missing == "spread")
+    assert (shown.outside == "") == (missing == "outside")
+    Page(report_html(replace(parts, result={"feasibility": part})))
+    assert feasibility(replace(parts, result={"feasibility": {"sentence": None}})) is None
+    assert feasibility(replace(parts, result={"feasibility": {"spread": 2.0}})).asked == "largest 2 times the smallest"
+
+
+def test_feasibility_is_escaped(parts):
+    evil = {key: "<script>x</script>" for key in ("sentence", "advice")}
+    page = Page(report_html(replace(parts, result={**parts.result, "feasibility": evil})))
+    assert "script" not in [tag for tag, _ in page.tags]
+
+
+def _planar(parts, **more):
+    fields = {key: 1e-14 * values if "curvature" in key[1] else values for key, values in parts.fields.items()}
+    names = ("target", "pattern", "deployed", "mean_curvature", "gaussian_curvature")
+    return replace(parts, fields=fields, pictures=dict.fromkeys(names, parts.pictures["deployed"]), **more)
+
+
+def test_a_planar_target_says_so_instead_of_showing_noise(parts):
+    planar = _planar(parts)
+    assert is_planar(planar) and not is_planar(parts)
+    assert is_planar(replace(parts, planar=True)) and not is_planar(replace(planar, planar=False))
+    page = Page(report_html(planar))
+    assert "The target is planar" in page.text
+    assert PLANAR_CAPTIONS["deployed"] in page.text
+    assert CAPTIONS["gaussian_curvature"] not in page.text and "mean curvature" not in page.text
+    assert curvature_summary(planar) is None
+    shown = [a["data-measure"] for _, a in page.tags if "data-measure" in a]
+    assert shown == ["porosity", "tile_area"]
+    assert "The target is planar" not in Page(report_html(parts)).text
+
+
+def test_without_holes_nothing_is_known_to_be_planar(parts):
+    assert not is_planar(replace(parts, fields={}))
+    assert not is_planar(replace(parts, fields={key: values[:0] for key, values in parts.fields.items()}))
+
+
+def test_of_an_odd_number_of_pictures_the_deployed_one_leads(parts):
+    file = parts.pictures["deployed"]
+    five = dict.fromkeys(("target", "pattern", "deployed", "mean_curvature", "gaussian_curvature"), file)
+    for pictures, lead in ((five, True), ({**five, "asked_stretch": file}, False), ({"deployed": file}, False)):
+        page = Page(report_html(replace(parts, pictures=pictures)))
+        figures = [a.get("class") for tag, a in page.tags if tag == "figure"][: len(pictures)]
+        assert figures == (["wide"] + [""] * 4 if lead else [""] * len(pictures))
+        alt = [a["alt"] for tag, a in page.tags if tag == "img"]
+        assert (alt[0] == CAPTIONS["deployed"]) == (lead or len(pictures) == 1)
+
+
+def test_measures_stand_under_their_headings_in_words(parts):
+    page = Page(report_html(parts))
+    shown = [a["data-measure"] for _, a in page.tags if "data-measure" in a]
+    assert shown == ["porosity", "tile_area", "mean_curvature_difference_median"]
+    for words in ("porosity: holes / tiles and holes", "25 %", "1.5 mm\u00b2", "0.5 1/mm"):
+        assert words in page.text
+    assert "tile_area" not in page.text
+
+
+def test_rows_of_prescribed_outlines_are_shown(parts):
+    certificate = {**ROWS, "boundary": 1e-3, "contracted_boundary": None}
+    failing = replace(parts, certificate=certificate, failures=("boundary: expected at most 1e-09, got 0.001",))
+    shown = {a["data-row"]: a["class"] for _, a in Page(report_html(failing)).tags if "data-row" in a}
+    assert shown["boundary"] == "fail" and shown["contracted_boundary"] == "none"

@@ -10,7 +10,15 @@ import pytest
 from kirisurf.errors import ParameterError, UnusableError
 from viewers.fields import describe_field
 from viewers.items import hole_item, segments, sheet_items
-from viewers.scenes import deployed_scene, field_scenes, holes_scene, pattern_scene, standard_scenes, target_scene
+from viewers.scenes import (
+    deployed_scene,
+    field_scenes,
+    holes_scene,
+    pattern_scene,
+    standard_scenes,
+    stretch_scene,
+    target_scene,
+)
 from viewers.sheet import Sheet, blended, laid_flat
 
 
@@ -154,3 +162,50 @@ def test_single_scenes_have_names(sheet):
     assert pattern_scene(sheet).name == "pattern"
     assert deployed_scene(sheet).name == "deployed"
     assert holes_scene(sheet, "mean_curvature").name == "holes_mean_curvature"
+
+
+def test_asked_stretch_is_a_scene_that_marks_what_is_possible(sheet):
+    asked = 1.2 + 0.4 * sheet.target.vertices[:, 0]
+    scenes = standard_scenes(replace(sheet, asked_stretch=asked, possible_stretch=(1.0, 2.0)))
+    assert list(scenes)[-1] == "asked_stretch"
+    scene = scenes["asked_stretch"]
+    assert names(scene) == ["target", "rim"]
+    assert np.array_equal(scene.field.values, asked)
+    assert scene.field.marks == (1.0, 2.0)
+    assert 0.7 < scene.field.limits[0] < 0.85 and 2.0 < scene.field.limits[1] < 2.1
+    assert "1 to 2" in scene.note
+    plain = stretch_scene(replace(sheet, asked_stretch=asked))
+    assert plain.field.marks == () and plain.note == ""
+    assert plain.field.limits[0] < plain.field.limits[1]
+    with pytest.raises(ParameterError, match="asked stretch: expected a sheet with a target"):
+        stretch_scene(sheet)
+
+
+@pytest.mark.parametrize("asked", [np.ones(169), np.full(169, np.nan)])
+def test_asked_stretch_has_a_range_whatever_it_is(sheet, asked):
+    low, high = stretch_scene(replace(sheet, asked_stretch=asked)).field.limits
+    assert low < high
+
+
+def test_asked_stretch_has_the_length_of_the_target(sheet):
+    arguments = (sheet.tiles, sheet.holes, sheet.deployed, sheet.contracted)
+    known = Sheet.from_arrays(*arguments, sheet.target, asked_stretch=np.ones(169), possible_stretch=(1.0, 1.4))
+    assert known.possible_stretch == (1.0, 1.4) and not known.asked_stretch.flags.writeable
+    with pytest.raises(ParameterError, match="asked stretch: expected 169 values on its target's vertices, got 3"):
+        Sheet.from_arrays(*arguments, sheet.target, asked_stretch=np.ones(3))
+    with pytest.raises(ParameterError, match="asked stretch: expected a target, got 3 values"):
+        Sheet.from_arrays(*arguments, asked_stretch=np.ones(3))
+
+
+def test_a_planar_design_has_no_curvature_and_lies_under_its_outline(sheet):
+    level = [1.0, 1.0, 0.0]
+    target = type(sheet.target).from_arrays(sheet.target.vertices * level, sheet.target.faces)
+    planar = replace(sheet, deployed=sheet.deployed * level, target=target)
+    assert planar.is_planar and not sheet.is_planar and not replace(planar, target=sheet.target).is_planar
+    scenes = standard_scenes(planar)
+    assert list(scenes) == ["target", "pattern", "deployed"]
+    assert all(scene.view.direction == (0.0, 0.0, 1.0) for scene in scenes.values())
+    layers = {item.name: item.layer for item in scenes["deployed"].items}
+    assert layers["rim"] > layers["tile edges"] > layers["tiles"] > layers["target"]
+    assert "outline" in scenes["deployed"].title
+    assert set(field_scenes(planar)) == {"vertex_distance", "tile_planarity"}

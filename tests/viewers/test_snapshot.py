@@ -11,7 +11,7 @@ from PIL import Image
 
 from kirisurf.errors import OutputError, ParameterError
 from viewers import opengl, snapshot
-from viewers.scenes import deployed_scene, holes_scene, pattern_scene, standard_scenes
+from viewers.scenes import deployed_scene, holes_scene, pattern_scene, standard_scenes, stretch_scene
 from viewers.snapshot import NoOpenGLError, draw, render, render_overview
 
 SMALL = (320, 240)
@@ -63,6 +63,26 @@ def test_pictures_are_written_with_the_size_asked_for_and_again_the_same(sheet, 
     assert size_of(first) == SMALL
     assert first.read_bytes() == second.read_bytes()
     assert [p.name for p in sorted(tmp_path.iterdir())] == ["1.png", "2.png"]
+
+
+@pytest.mark.usefixtures("opengl", "no_open_plotter")
+def test_the_color_bar_marks_what_is_possible(sheet, tmp_path):
+    asked = np.linspace(1.0, 2.0, len(sheet.target.vertices))
+    scene = stretch_scene(replace(sheet, asked_stretch=asked, possible_stretch=(1.2, 1.4)))
+    item = next(item for item in scene.items if item.field is not None)
+    bare = replace(item, field=replace(item.field, marks=()))
+    plain = replace(scene, items=tuple(bare if other is item else other for other in scene.items))
+    with_marks, without = (
+        np.asarray(Image.open(render(each, tmp_path / f"{k}.png", (640, 480))).convert("RGB")).astype(int)
+        for k, each in enumerate((scene, plain))
+    )
+    columns = np.flatnonzero((np.abs(with_marks - without).max(axis=2) > 60).any(axis=0))
+    groups = np.split(columns, np.flatnonzero(np.diff(columns) > 1) + 1)
+    assert len(groups) == 2
+    low, high = item.field.limits
+    apart = np.diff([group.mean() for group in groups])[0]
+    length = 0.64 * (640 - 3.2 * 480 * 1.2 / 46)
+    assert apart / length == pytest.approx(0.2 / (high - low), rel=0.1)
 
 
 @pytest.mark.usefixtures("opengl", "no_open_plotter")

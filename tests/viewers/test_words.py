@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from analysis.limits import LIMITS
+from analysis.measures import measure
+from kirisurf.pattern import quad_pattern
+from kirisurf.surface import Surface
+from viewers.number_words import measures_by_heading, number_in_words
 from viewers.words import number, row_in_words
 
 
@@ -20,6 +26,9 @@ from viewers.words import number, row_in_words
         ("coverage", 0.8, 0.85, "fail"),
         ("coverage", 0.9, 0.85, "pass"),
         ("loop", None, None, "none"),
+        ("boundary", None, 1e-9, "none"),
+        ("contracted_boundary", None, 1e-9, "none"),
+        ("boundary", 1e-8, 1e-9, "fail"),
         ("reach_max", 3.0, None, "info"),
         ("a_new_row", 3.0, 4.0, "pass"),
     ],
@@ -51,3 +60,46 @@ def test_limits_say_which_way_they_go():
 )  # fmt: skip
 def test_numbers(value, text):
     assert number(value) == text
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_every_row_has_words(name):
+    row = row_in_words(name, 0.5, 1.0)
+    assert row.title != name.replace("_", " ") and row.meaning and row.unit
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("edge_length", 2.0, "2 mm"),
+        ("tile_area", 2.5, "2.5 mm\u00b2"),
+        ("gaussian_curvature_difference_median", 0.1, "0.1 1/mm\u00b2"),
+        ("opening_angle_max", 1.5707963267948966, "90 \u00b0"),
+        ("porosity", 0.5, "50 %"),
+        ("area_magnification", 2.0, "2"),
+        ("distance_rms", 0.02, "0.02 of a tile edge"),
+        ("porosity", None, "\u2013 %"),
+        ("porosity", float("nan"), "\u2013 %"),
+        ("a_new_measure", 3, "3"),
+    ],
+)
+def test_measures_have_values_in_their_units(name, value, text):
+    row = number_in_words(name, value, "mm")
+    assert f"{row.value} {row.unit}".strip() == text
+    assert row.label and "_" not in row.label
+
+
+def test_measures_are_ordered_by_heading_and_unknown_ones_come_last():
+    found = measures_by_heading({"mine": 1.0, "distance_max": 0.1, "porosity": 0.5, "edge_length": 1.0})
+    assert list(found) == ["Tiles", "Opening", "Distance to the target", "Other measures"]
+    assert [row.name for rows in found.values() for row in rows] == ["edge_length", "porosity", "distance_max", "mine"]
+
+
+def test_every_measure_has_words():
+    pattern = quad_pattern(3, 3)
+    points = np.c_[pattern.deployed, 0.05 * pattern.deployed[:, 0] ** 2]
+    corners = np.array([[-1.0, -1, 0], [6, -1, 0], [6, 6, 0], [-1, 6, 0]])
+    target = Surface.from_arrays(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    flat = measure(pattern, points * [1, 1, 0], pattern.contracted, target, target_outline=corners[:, :2])
+    bent = measure(pattern, points, pattern.contracted, target)
+    assert "Other measures" not in measures_by_heading({**bent.numbers, **flat.numbers})

@@ -17,10 +17,10 @@ from kirisurf.cli.failures import explained
 from kirisurf.cli.output import Outcome
 from kirisurf.cli.parser import LATER_COMMANDS
 from kirisurf.errors import OutputError, ParameterError
-from kirisurf.spec import TESSELLATIONS
+from kirisurf.tessellation_names import TESSELLATIONS
 
 ROOT = Path(__file__).resolve().parents[3]
-COMMANDS = ("demo", "fit", "audit", "curvature", "report", "view", "export", "samples")
+COMMANDS = ("demo", "fit", "audit", "curvature", "report", "view", "export", "reproduce", "samples")
 
 Captured = pytest.CaptureFixture[str]
 
@@ -70,7 +70,7 @@ def test_the_version_is_printed(capsys: Captured) -> None:
         (["fit", "hypar", "-o", "x", "--tolerance", "tiny"], 2, "--tolerance: expected a number, got 'tiny'"),
         (["fit", "hypar", "-o", "x", "--opening", "wide"], 2, "--opening: expected degrees or auto"),
         (["fit", "hypar", "-o", "x", "--closeness", "near"], 2, "--closeness: expected one of best, exact"),
-        (["fit", "hypar", "-o", "x", "--tessellation", "kagome"], 2, "not available in this version"),
+        (["fit", "hypar", "-o", "x", "--tessellation", "kagom"], 2, "did you mean 'kagome'"),
         (["fit", "hypar", "-o", "x", "--close", "exact"], 2, "expected known options"),
         (["fit", "nosuch.stl", "-o", "x"], 3, "nosuch.stl"),
         (["fit", "hyparr", "-o", "x"], 3, "did you mean 'hypar'"),
@@ -139,18 +139,17 @@ def test_samples_are_listed_for_people_and_programs(capsys: Captured) -> None:
     assert {"hypar", "car_hood"} <= {sample["name"] for sample in found["samples"]}
     listed = {each["name"]: each for each in found["tessellations"]}
     assert set(TESSELLATIONS) <= set(listed)
-    assert listed["quad"]["fitted"] and listed["kagome"]["tiles"] == 8
-    assert listed["kagome"]["stretch"] == pytest.approx([2, 2])
-    # what is listed as fitted is what a fit accepts
+    assert listed["kagome"]["tiles"] == 8 and listed["kagome"]["stretch"] == pytest.approx([2, 2])
+    outlines = {each["name"]: each for each in found["outlines"]}
+    assert outlines["circle"]["published"] and not outlines["disc"]["published"]
+    assert all(re.search(rf"^  {name} ", out, re.MULTILINE) for name in (*listed, *outlines))
+    # what is listed is what a fit accepts, by its name and by its file
     for name, each in listed.items():
-        marked = re.search(rf"^  {name} .*not fitted yet", out, re.MULTILINE)
-        assert (marked is None) == each["fitted"]
-        refused = cli.main(
-            ["fit", "hypar", "-o", os.devnull, "--tessellation", each["file"] or name, "--tolerance", "5"]
-        )
-        assert refused == 2
-        err = capsys.readouterr().err
-        assert ("not available in this version" in err) != each["fitted"]
+        for given in (name, each["file"] or name):
+            command = ["fit", "hypar", "-o", os.devnull, "--tessellation", given, "--tolerance", "5"]
+            assert cli.main(command) == 2
+            err = capsys.readouterr().err
+            assert "--tolerance" in err and "--tessellation" not in err
 
 
 def test_the_audit_passes_a_good_pair_and_fails_a_planted_fault(tmp_path: Path, capsys: Captured) -> None:

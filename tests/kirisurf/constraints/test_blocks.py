@@ -17,6 +17,7 @@ from kirisurf.corner_angle import CornerAngles
 from kirisurf.pattern import quad_pattern
 from kirisurf.projection import Projection
 from kirisurf.soundness import are_convex
+from kirisurf.triangulation import TriangulatedTiles
 from tests.kirisurf.block_laws import bumpy_sheet, check_block
 
 
@@ -27,7 +28,7 @@ def test_laws(kind: str, seed: int) -> None:
     block = {
         "length": lambda: EqualLengths(tessellation),
         "angle": lambda: FullTurns(tessellation, 4),
-        "planarity": lambda: FlatTiles(tessellation, 4),
+        "planarity": lambda: FlatTiles(TriangulatedTiles.of(tessellation).diagonals),
         "opening": lambda: OpenHinges(tessellation, 0.05, points),
         "edge": lambda: LongEdges(tessellation, 0.1),
         "convexity": lambda: ConvexTiles(tessellation, 4, points),
@@ -70,7 +71,11 @@ def test_surface_block_obeys_the_laws_with_its_model_frozen() -> None:
 def test_the_regular_pattern_meets_every_rigid_row(rotation: float) -> None:
     tessellation = quad_pattern(3, 2, rotation)
     points = np.column_stack([2 * tessellation.deployed, np.zeros(tessellation.n_vertices)])
-    for block in (EqualLengths(tessellation), FullTurns(tessellation, 4), FlatTiles(tessellation, 4)):
+    for block in (
+        EqualLengths(tessellation),
+        FullTurns(tessellation, 4),
+        FlatTiles(TriangulatedTiles.of(tessellation).diagonals),
+    ):
         np.testing.assert_allclose(block.residual(points), 0.0, atol=1e-13)
     # unit squares with opening 2 rotation: the row is the product of the sines of opening and tile angle
     rows = OpenHinges(tessellation, 0.0, points).residual(points)
@@ -111,7 +116,11 @@ def test_corner_angles_of_known_triangles() -> None:
 
 def test_an_array_changed_in_place_is_another_point() -> None:
     tessellation, points = bumpy_sheet()
-    for block in (FullTurns(tessellation, 4), FlatTiles(tessellation, 4), OpenHinges(tessellation, 0.05, points)):
+    for block in (
+        FullTurns(tessellation, 4),
+        FlatTiles(TriangulatedTiles.of(tessellation).diagonals),
+        OpenHinges(tessellation, 0.05, points),
+    ):
         place = points.copy()
         before = block.residual(place)
         place[:, 2] *= 1.5
@@ -146,4 +155,6 @@ def test_planarity_is_the_volume() -> None:
     tile = tessellation.tiles[0]
     lifted[tile[3], 2] += 0.3
     # unit square, one corner lifted by 0.3: six times the tetrahedron's volume
-    assert FlatTiles(tessellation, 4).residual(lifted)[0, 0] == pytest.approx(0.3, abs=1e-12)
+    assert FlatTiles(TriangulatedTiles.of(tessellation).diagonals).residual(lifted)[0, 0] == pytest.approx(
+        0.3, abs=1e-12
+    )

@@ -17,6 +17,7 @@ from kirisurf.solvers.direction import INEXACT, REGULARIZATION, KktFactor, Newto
 from kirisurf.solvers.linearization import Linearization, stencils
 from kirisurf.solvers.multifrontal import Symbolic
 from kirisurf.solvers.scipy_peers import jacobian_of
+from kirisurf.triangulation import TriangulatedTiles
 from tests.kirisurf.block_laws import bumpy_sheet
 
 
@@ -24,7 +25,11 @@ def small_problem() -> tuple[Problem, np.ndarray]:
     tessellation, points = bumpy_sheet()
     problem = Problem(
         n_vertices=tessellation.n_vertices,
-        equalities=(EqualLengths(tessellation), FullTurns(tessellation, 4), FlatTiles(tessellation, 4)),
+        equalities=(
+            EqualLengths(tessellation),
+            FullTurns(tessellation, 4),
+            FlatTiles(TriangulatedTiles.of(tessellation).diagonals),
+        ),
         inequalities=(OpenHinges(tessellation, 0.05, points),),
         terms=(Term(0.7, EqualNeighbors(tessellation, 4)), Term(1e-2, Proximity(points + 0.1))),
     )

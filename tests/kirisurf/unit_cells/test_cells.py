@@ -9,8 +9,8 @@ import shapely
 from kirisurf.derive import n_outer_loops
 from kirisurf.errors import ParameterError
 from kirisurf.pattern import tile_pattern
-from kirisurf.spec import TESSELLATIONS
 from kirisurf.tessellation import Tessellation
+from kirisurf.tessellation_names import TESSELLATIONS
 from kirisurf.unit_cell import UnitCell, quad_cell
 from kirisurf.unit_cells import catalog, find_cell
 from kirisurf.unit_cells.checks import check_cell

@@ -1,0 +1,218 @@
+"""The window itself, opened off-screen: buttons, panels and pictures follow the session and drive it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from viewers.workbench.desktop import probing
+from viewers.workbench.desktop.painting import ticks
+from viewers.workbench.desktop.qt import INSTALL_LINE, is_installed
+from viewers.workbench.engine import Engine
+from viewers.workbench.events import Ended, Fitted
+from viewers.workbench.pipeline import Stage
+from viewers.workbench.session import Session
+from viewers.workbench.state import Selection, State
+
+
+class Listed(Engine):
+    """An engine that notes what it is asked and reports what a test puts there."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked, self.reports, self.closed = [], [], False
+
+    def start(self, spec, since=Stage.HOLES, until=Stage.HOLES, resume=False):
+        self.asked.append((spec, since, until, resume))
+        return len(self.asked)
+
+    def cancel(self):
+        self.asked.append("cancel")
+
+    def events(self, wait=0.0):
+        reports, self.reports = self.reports, []
+        return iter(reports)
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def session(state, fitted) -> Session:
+    return Session(state, fitted, Listed())
+
+
+def test_a_session_fits_what_changed_and_nothing_else(session, state):
+    session.do(state.colored(None))
+    session.do(session.state.toggled(Stage.GUESS))
+    assert session.engine.asked == []
+    session.do(session.state.with_option("min_angle", 12.0))
+    assert [asked[0].min_angle for asked in session.engine.asked] == [12.0]
+    session.undo()
+    assert session.engine.asked[-1][0] == state.spec and Stage.GUESS in session.state.shown
+    session.undo()
+    assert len(session.engine.asked) == 2 and Stage.GUESS not in session.state.shown
+
+
+def test_a_session_that_is_not_live_waits_to_be_asked(session, state):
+    session.do(state.live(False))
+    session.do(session.state.with_option("min_angle", 12.0))
+    assert session.engine.asked == [] and session.is_stale
+    session.fit()
+    assert len(session.engine.asked) == 1 and not session.is_stale
+
+
+def test_poses_are_made_once_for_a_sheet(session):
+    first = session.poses
+    session.adjust(session.state.deployed_to(0.4))
+    assert session.poses is first and first.sheet is session.results.sheet
+
+
+def test_ticks_are_round_and_within():
+    for low, high in ((-1.3, 1.3), (0.0, 0.07), (-16.0, 17.0), (2.0, 2.004)):
+        found = ticks(low, high)
+        assert 3 <= len(found) <= 9 and min(found) >= low - 1e-12 and max(found) <= high + 1e-12
+        assert low > 0 or 0.0 in found
+
+
+def test_without_qt_one_sentence_says_how_to_install_it(monkeypatch):
+    monkeypatch.setattr(probing, "is_installed", lambda: False)
+    answer = probing.probe_workbench()
+    assert not answer.available and INSTALL_LINE in answer.reason
+
+
+@pytest.fixture
+def bench(request, monkeypatch, opengl, no_open_plotter, session):
+    if not is_installed():
+        pytest.skip(f"{request.node.name} did not run: {INSTALL_LINE}")
+    if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        # Qt's own off-screen windows have no OpenGL for VTK, which draws into its own there
+        os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    elif probing.probe_workbench().reason:
+        pytest.skip(f"{request.node.name} did not run: {probing.probe_workbench().reason}")
+    from viewers.workbench.desktop.show import application
+    from viewers.workbench.desktop.window import Workbench
+
+    problems: list[BaseException] = []
+    # Qt goes on after an exception in one of its callbacks, and a test would with it
+    monkeypatch.setattr(sys, "excepthook", lambda kind, problem, trace: problems.append(problem))
+    app = application()
+    made = Workbench(session, "test")
+    made.window.resize(1200, 700)
+    made.window.show()
+    app.processEvents()
+    yield made
+    made.window.close()
+    app.processEvents()
+    assert session.engine.closed
+    assert problems == []
+
+
+def drawn(bench, side, name):
+    found = bench.canvas._drawn.get((side, name))
+    return None if found is None else found[1]
+
+
+def test_stage_buttons_hide_what_is_drawn(bench):
+    assert drawn(bench, 1, "target") is not None
+    bench.strip.buttons[Stage.TARGET].click()
+    assert drawn(bench, 1, "target") is None and Stage.TARGET not in bench.session.state.shown
+    bench.undo()
+    assert drawn(bench, 1, "target") is not None and bench.strip.buttons[Stage.TARGET].isChecked()
+
+
+def test_the_slider_moves_the_right_view_alone(bench):
+    before = np.array(drawn(bench, 0, "tiles").data.points)
+    bench.slider.setValue(30)
+    assert np.allclose(drawn(bench, 1, "tiles").data.points, bench.session.poses.at(0.3))
+    assert np.array_equal(drawn(bench, 0, "tiles").data.points, before)
+    assert bench.pictures.titles[1].text() == "Interpolated: 30 % of the way"
+
+
+def test_an_option_changes_the_spec_and_a_wrong_one_is_taken_back(bench):
+    bench.panel.editor("min_angle").setValue(15.0)
+    assert bench.session.state.spec.min_angle == 15.0 and bench.session.engine.asked[-1][0].min_angle == 15.0
+    count = len(bench.session.engine.asked)
+    bench.panel.editor("max_opening").setValue(10.0)
+    assert bench.session.state.spec.max_opening is None and len(bench.session.engine.asked) == count
+    assert "expected more than the smallest opening" in bench.status.text()
+    assert bench.panel.editor("max_opening").text() == "none"
+
+
+def test_choosing_a_field_colors_and_undo_restores_the_choice(bench):
+    index = bench.side.fields.findData("tile/area")
+    bench.side.fields.setCurrentIndex(index)
+    assert bench.session.state.coloring == ("tile", "area")
+    assert bench.canvas.item(1, "tiles").field.name == "area" and bench.canvas.item(0, "tiles").field.name == "area"
+    bench.undo()
+    assert bench.side.fields.currentData() == "hole/gaussian_curvature"
+
+
+def test_a_click_on_a_tile_picks_it_and_fills_the_table(bench):
+    """Project the middle of a tile to the picture, click there, and read its number."""
+    sheet, renderer = bench.session.results.sheet, bench.canvas.plotter.renderers[0]
+    middle = bench.session.poses.flat[sheet.tiles[7]].mean(axis=0)
+    # Qt's off-screen platform tells VTK no size
+    bench.canvas.plotter.render_window.SetSize(bench.canvas.widget.width(), bench.canvas.widget.height())
+    bench.canvas.reset_view()
+    renderer.SetWorldPoint(*middle, 1.0)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    width, height = bench.canvas.plotter.render_window.GetSize()
+    widget = bench.canvas.widget
+    bench.canvas._pick_at((x * widget.width() / width, (height - 1 - y) * widget.height() / height))
+    assert bench.session.state.selection == Selection("tile", 7)
+    assert bench.side.picked_title.text() == "Tile 7" and bench.side.picked.rowCount() > 5
+    assert drawn(bench, 0, "picked") is not None and drawn(bench, 1, "picked") is not None
+
+
+def test_reports_of_the_engine_reach_the_picture(bench, fitted):
+    bench.fit()
+    assert bench.actions["stop"].isEnabled() and not bench.actions["save"].isEnabled()
+    moved = fitted.sheet.deployed + np.array([0.0, 0.0, 0.5])
+    sheet = replace(fitted.sheet, deployed=moved, target=None)
+    bench.session.engine.reports = [replace(fitted.fitted, job=1, sheet=sheet), Ended(1)]
+    assert isinstance(bench.session.engine.reports[0], Fitted)
+    bench.tick()
+    assert np.allclose(drawn(bench, 1, "tiles").data.points, moved)
+    assert bench.actions["save"].isEnabled() and not bench.actions["stop"].isEnabled()
+
+
+def test_dragging_lays_the_pattern_and_letting_go_fits_it(bench):
+    trimmed = State(bench.session.state.spec.changed(tiles=60, cells=None)).spec
+    bench.replace_spec(trimmed)
+    bench.drag(20.0, 2.0, False)
+    spec, _, until, _ = bench.session.engine.asked[-1]
+    assert (spec.orientation, spec.tiles, until) == (20.0, 15, Stage.GUESS)
+    bench.drag(30.0, 2.0, True)
+    spec, _, until, _ = bench.session.engine.asked[-1]
+    assert (spec.orientation, spec.tiles, until) == (30.0, 15, Stage.HOLES)
+    assert bench.session.state.spec.orientation == 30.0
+
+
+def test_the_views_turn_together_until_told_otherwise(bench):
+    renderers = bench.canvas.plotter.renderers
+    assert renderers[0].camera is renderers[1].camera
+    bench.actions["link"].trigger()
+    assert renderers[0].camera is not renderers[1].camera
+    assert np.allclose(renderers[0].camera.position, renderers[1].camera.position)
+    bench.actions["link"].trigger()
+    assert renderers[0].camera is renderers[1].camera
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="None has no count of references from Python 3.12 on")
+def test_qt_leaves_the_references_of_none_alone(request):
+    """A binding that takes one at every call ends the process after some minutes, as PySide6 6.12.0 does."""
+    if not is_installed():
+        pytest.skip(f"{request.node.name} did not run: {INSTALL_LINE}")
+    from viewers.workbench.desktop.qt import qt
+
+    timer = qt().core.QTimer()
+    before = sys.getrefcount(None)
+    for _ in range(500):
+        timer.setInterval(1)
+    assert abs(sys.getrefcount(None) - before) < 250

@@ -1,0 +1,143 @@
+"""The tool bar: what can be done by a button or a key, and when."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from viewers.workbench.desktop.qt import qt
+from viewers.workbench.events import Draw
+from viewers.workbench.scene import deployment_scenes, turntable_scenes
+
+if TYPE_CHECKING:
+    from viewers.workbench.desktop.window import Workbench
+
+
+def add_actions(bench: Workbench) -> dict[str, Any]:
+    """Add the tool bar to a window and return its actions by name."""
+    widgets = qt().widgets
+    bar = widgets.QToolBar()
+    bar.setMovable(False)
+    bar.setContextMenuPolicy(qt().core.Qt.ContextMenuPolicy.PreventContextMenu)
+    bar.setToolButtonStyle(qt().core.Qt.ToolButtonStyle.ToolButtonTextOnly)
+    bench.window.addToolBar(bar)
+    made: dict[str, Any] = {}
+
+    def add(name: str, words: str, tip: str, act: Any, keys: str = "", checked: bool | None = None) -> None:
+        action = bar.addAction(words)
+        action.setToolTip(f"{tip}  ({keys})" if keys else tip)
+        if keys:
+            action.setShortcut(keys)
+        if checked is None:
+            action.triggered.connect(lambda _=False: act())
+        else:
+            action.setCheckable(True)
+            action.setChecked(checked)
+            action.toggled.connect(act)
+        made[name] = action
+
+    add("fit", "\u25b6 Fit", "Fit the options as they are", bench.fit, "F5")
+    add("stop", "\u25a0 Stop", "End the solver at its best point", bench.session.cancel, "Esc")
+    add("resume", "Resume", "Go on from the best point of the fit that was stopped", lambda: bench.fit(True), "F6")
+    add("live", "Live", "Fit at once when an option changes", bench.live, checked=bench.session.state.is_live)
+    bar.addSeparator()
+    add("undo", "\u21b6 Undo", "Take the last change back", bench.undo, "Ctrl+Z")
+    add("redo", "\u21b7 Redo", "Do it again", bench.redo, "Ctrl+Shift+Z")
+    bar.addSeparator()
+    add(
+        "place",
+        "Place pattern",
+        "Drag on the right picture to turn the pattern and to size its tiles",
+        bench.place,
+        "P",
+        checked=False,
+    )
+    add("link", "Turn together", "Turn both pictures together", bench.link, "L", checked=True)
+    add("reset", "First view", "Look from where the window first looked", lambda: bench.canvas.reset_view(), "Home")
+    bar.addSeparator()
+    add(
+        "save",
+        "Save run \u2026",
+        "Write a run folder: cutting files, both states, certificate, report",
+        lambda: save_run(bench),
+        "Ctrl+S",
+    )
+    add("snapshot", "Snapshot \u2026", "Write both pictures as PNG", lambda: save_snapshot(bench), "Ctrl+P")
+    add(
+        "deployment",
+        "Deployment \u2026",
+        "Write an animation between the two states as GIF",
+        lambda: save_deployment(bench),
+    )
+    add("turntable", "Turntable \u2026", "Write an animation that turns once as GIF", lambda: save_turntable(bench))
+    return made
+
+
+def enable(bench: Workbench) -> None:
+    """Let those actions be done that mean something now."""
+    results, history = bench.session.results, bench.session.history
+    is_idle, has_sheet = results.running is None, results.sheet is not None
+    for name, can in {
+        "stop": not is_idle,
+        "resume": results.can_resume and not bench.session.is_stale,
+        "undo": bool(history.past),
+        "redo": bool(history.future),
+        "save": is_idle and results.is_current and results.job > 0,
+        "snapshot": is_idle and results.target is not None,
+        "deployment": is_idle and has_sheet,
+        "turntable": is_idle and has_sheet,
+    }.items():
+        bench.actions[name].setEnabled(can)
+
+
+def save_run(bench: Workbench) -> None:
+    """Ask for a folder and write the run into it."""
+    name = _asked(bench, "Save the run in a new folder", f"{_stem(bench)}-run", "")
+    if name:
+        bench.session.save(name)
+        bench.refresh()
+
+
+def save_snapshot(bench: Workbench) -> None:
+    """Ask for a file and write both pictures as they are described, at one scale, with their bars."""
+    name = _asked(bench, "Save both pictures", f"{_stem(bench)}.png", "Pictures (*.png)")
+    if name:
+        scenes = tuple(scene for scene in bench.session.scenes() if scene.items)
+        _draw(bench, Draw(scenes, _with_suffix(name, ".png"), (1100, 1000)))
+
+
+def save_deployment(bench: Workbench) -> None:
+    """Ask for a file and write the way from contracted to deployed and back."""
+    name = _asked(bench, "Save the deployment", f"{_stem(bench)}-deployment.gif", "Animations (*.gif)")
+    if name:
+        scenes = deployment_scenes(bench.session.state, bench.session.results)
+        _draw(bench, Draw(scenes, _with_suffix(name, ".gif"), (800, 640)))
+
+
+def save_turntable(bench: Workbench) -> None:
+    """Ask for a file and write the deployed sheet turning once."""
+    name = _asked(bench, "Save the turntable", f"{_stem(bench)}-turntable.gif", "Animations (*.gif)")
+    if name:
+        _draw(bench, Draw(turntable_scenes(bench.session.scenes()[1]), _with_suffix(name, ".gif"), (800, 640)))
+
+
+def _draw(bench: Workbench, request: Draw) -> None:
+    bench.session.draw(request)
+    bench.refresh()
+
+
+def _asked(bench: Workbench, title: str, name: str, kinds: str) -> str:
+    """Ask where to write; empty where the user would rather not."""
+    dialog = qt().widgets.QFileDialog
+    options = dialog.Option.DontUseNativeDialog
+    if not kinds:
+        options |= dialog.Option.DontConfirmOverwrite
+    return str(dialog.getSaveFileName(bench.window, title, name, kinds, options=options)[0])
+
+
+def _stem(bench: Workbench) -> str:
+    return Path(bench.session.state.spec.target).stem
+
+
+def _with_suffix(name: str, suffix: str) -> str:
+    return name if name.lower().endswith(suffix) else name + suffix
