@@ -107,7 +107,16 @@ class ContractedShape:
                 both = np.intersect1d(vertices[sides == k], vertices[sides == (k - 1) % 4])
                 kept = ~np.isin(vertices, both) | (turn > CORNER)
                 vertices, sides = vertices[kept], sides[kept]
-        return Rim(tessellation.n_vertices + vertices, sides)
+        # every side in the direction in which the outline runs, each vertex once
+        layout = welded(tessellation, tessellation.contracted)
+        ordered = []
+        for k, (axis, sign) in enumerate(((0, 1.0), (1, 1.0), (0, -1.0), (1, -1.0))):
+            side = np.unique(vertices[sides == k])
+            ordered.append(side[np.argsort(sign * layout[side, axis], kind="stable")])
+        return Rim(
+            tessellation.n_vertices + np.concatenate(ordered),
+            np.repeat(np.arange(4), [len(side) for side in ordered]),
+        )
 
 
 def _between(outline: Outline, ratio: float, t: float) -> Outline:

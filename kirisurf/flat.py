@@ -12,8 +12,6 @@ from kirisurf.asked import contracted_shape, shape_of, sufficiency
 from kirisurf.continuation import Continuation
 from kirisurf.contracted_solution import contracted_solution
 from kirisurf.errors import ParameterError
-from kirisurf.feasibility import Feasibility, Range, feasibility
-from kirisurf.flattening import flatten
 from kirisurf.formulation import Weights
 from kirisurf.freedom import freedom_of
 from kirisurf.motion import motion_of
@@ -21,7 +19,6 @@ from kirisurf.outlines import Outline
 from kirisurf.pattern import tile_pattern
 from kirisurf.planar import Planar, regular_layout, solve_laid, solve_rectangular, solve_trimmed
 from kirisurf.pulling import pulled
-from kirisurf.rectangle_map import map_to_rectangle
 from kirisurf.solved import Solved
 from kirisurf.solvers.choice import make_solver
 from kirisurf.solvers.outcome import Limits, Progress, ShouldStop
@@ -30,7 +27,6 @@ from kirisurf.spec import FitSpec
 from kirisurf.start import make_start
 from kirisurf.surface import Surface
 from kirisurf.trimming import rectangle_mask
-from kirisurf.unit_cell import UnitCell
 from kirisurf.unit_cells.catalog import find_cell
 
 
@@ -67,7 +63,6 @@ def solve_flat(
         tessellation = tile_pattern(cell, rectangle_mask(cell, motion_of(cell).adjacency, *spec.cells))
         layout, middle = regular_layout(tessellation, outline)
         initial = np.column_stack([layout + middle, np.zeros(len(layout))])
-        feasible = _asked(surface, outline, cell)
     else:
         start = make_start(surface, spec)
         tessellation, initial, feasible = start.tessellation, start.points, start.feasibility
@@ -117,15 +112,6 @@ def solve_flat(
         prescribed,
         freedom_of(outcome, planar.problem(outcome.points, Weights(), ()), n),
     )
-
-
-def _asked(surface: Surface, outline: Outline, cell: UnitCell) -> Feasibility:
-    """What bending a rectangle into an outline asks of a tessellation: the scale of the conformal map between them."""
-    loop = np.asarray(surface.boundary_loops[0])
-    rim = surface.vertices[loop, :2]
-    corners = [loop[int(np.linalg.norm(rim - corner, axis=1).argmin())] for corner in outline.corners]
-    rectangle = map_to_rectangle(flatten(surface), np.array(corners, dtype=np.int64))
-    return feasibility(surface, rectangle.log_scale, Range.of(motion_of(cell)))
 
 
 def _deployed(planar: Planar, points: np.ndarray) -> np.ndarray:

@@ -119,7 +119,7 @@ class FollowsScaledOutline:
     ----------
     name : str
     rim : Rim
-        With four sides; its vertices are those of the problem.
+        With four sides, each in its own order; its vertices are those of the problem.
     outline : Outline
         With four sides, centered.
     size : int
@@ -128,6 +128,7 @@ class FollowsScaledOutline:
 
     def __init__(self, name: str, rim: Rim, outline: Outline, size: int) -> None:
         self._name, self._rim, self._outline, self._size = name, rim, outline, size
+        self._within = _within_scaled_sides(rim, outline, size) if rim.has_sides else ()
 
     def equalities_at(self, points: np.ndarray) -> tuple[Block, ...]:
         """Return the rows at `points`."""
@@ -140,8 +141,8 @@ class FollowsScaledOutline:
         return rows, unused
 
     def inequalities_at(self, points: np.ndarray) -> tuple[Block, ...]:
-        """Return none: the contracted sheet has no gaps behind its rim."""
-        return ()
+        """Return the rows that keep the first and the last vertex of every side on it."""
+        return self._within
 
 
 class IsRectangle:
@@ -182,6 +183,26 @@ class IsRectangle:
     def inequalities_at(self, points: np.ndarray) -> tuple[Block, ...]:
         """Return the rows that keep the vertices of a side between its corners."""
         return (self._within,)
+
+
+def _within_scaled_sides(rim: Rim, outline: Outline, size: int) -> tuple[Block, ...]:
+    """At size s, t.(y - s c) >= 0 with the tangent t at a side's corner c, into the side."""
+    stencil, coefficients = [], []
+    for k, side in enumerate(outline.sides):
+        vertices = rim.side(k)
+        for vertex, corner, u, sign in (
+            (vertices[0], side.start, 0.0, 1.0),
+            (vertices[-1], side.end, float(side.n_pieces), -1.0),
+        ):
+            if np.count_nonzero(rim.vertices == vertex) > 1:
+                # on both sides, and so in their corner
+                continue
+            along = sign * side.tangents(*side.located(np.array([u])))[0]
+            stencil.append([vertex, size])
+            coefficients.append([[along[0], along[1], 0.0], [-float(along @ corner), 0.0, 0.0]])
+    if not stencil:
+        return ()
+    return (LinearRows("side", np.array(stencil), np.array(coefficients), np.zeros(len(stencil))),)
 
 
 def _between_neighbors(rim: Rim) -> LinearRows:

@@ -16,6 +16,7 @@ from kirisurf.errors import LimitError
 from kirisurf.fit_result import FitResult
 from kirisurf.flat import solve_flat
 from kirisurf.quadric_blend import QuadricBlend
+from kirisurf.shortfalls import shortfalls
 from kirisurf.solved import Solved
 from kirisurf.solvers.choice import default_steps
 from kirisurf.solvers.outcome import Limits
@@ -93,6 +94,10 @@ def fit_surface(
     warnings = solved.warnings
     if spec.closeness == "exact" and surface.outline is None and fit.status not in _FOUND:
         warnings += (_TOO_EXACT,)
+    prescribed = None if solved.prescribed is None else solved.prescribed(contracted.points)
+    if fit.status is Status.CONVERGED:
+        edge = solved.edge_length
+        warnings += shortfalls(spec, fit.tessellation, fit.points, contracted.points, edge, solved.boundary, prescribed)
     return FitResult(
         surface=surface,
         initial=frozen(solved.initial),
@@ -107,7 +112,7 @@ def fit_surface(
         },
         feasibility=solved.feasibility,
         boundary=solved.boundary,
-        contracted_boundary=None if solved.prescribed is None else solved.prescribed(contracted.points),
+        contracted_boundary=prescribed,
         freedom=solved.freedom,
     )
 

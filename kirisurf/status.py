@@ -8,7 +8,7 @@ from enum import Enum
 class Status(Enum):
     """How a solve ended."""
 
-    CONVERGED = "Converged: every constraint holds and no smaller distance was found nearby."
+    CONVERGED = "Converged: every constraint holds, at a minimum of distance, unevenness and displacement together."
     INFEASIBLE = (
         "Locally infeasible: the constraints cannot all be met near the point that was reached. "
         "Try fewer or smaller tiles, a smaller part of the surface, or another opening (--opening)."

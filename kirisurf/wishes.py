@@ -67,10 +67,11 @@ def preference(
         says = "distances of outer vertices to the outline, in tile edges"
         return Preference(Weights(proximity=1e-3), near.name, says, (Term(1.0, near),))
     if name == "open":
-        a, b, c = SlitEnds.of(tessellation).stencil[:, :3].T
-        widest = np.linalg.norm(points[b] - points[a], axis=1) + np.linalg.norm(points[c] - points[a], axis=1)
-        wide = SquaredDistances("open", np.stack([b, c], axis=1), widest)
-        says = "squared distances from fully open, over the squared edge"
+        # as open as the regular pattern: beyond that its holes close again
+        chords, sides = _chords(tessellation, tessellation.deployed)
+        widest = chords / sides * _chords(tessellation, points)[1]
+        wide = SquaredDistances("open", SlitEnds.of(tessellation).stencil[:, 1:3], widest)
+        says = "squared widths of slits, from those of the open regular pattern, over the squared edge"
         return Preference(Weights(proximity=1e-2), wide.name, says, (Term(0.1, wide),))
     edges = tessellation.tiles.edges
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
@@ -81,6 +82,12 @@ def preference(
     even = SquaredDistances("uniform", edges, mean[same.ravel()])
     says = "differences of squared edges from those of their role, over the squared edge"
     return Preference(Weights(proximity=1e-3), even.name, says, (Term(1.0, even),))
+
+
+def _chords(tessellation: Tessellation, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Width of every slit at its open end, and the sum of its two sides."""
+    a, b, c = points[SlitEnds.of(tessellation).stencil[:, :3]].transpose(1, 0, 2)
+    return np.linalg.norm(b - c, axis=1), np.linalg.norm(b - a, axis=1) + np.linalg.norm(c - a, axis=1)
 
 
 def _places(tessellation: Tessellation) -> np.ndarray:

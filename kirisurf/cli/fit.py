@@ -106,7 +106,8 @@ def add_spec_options(parser: Parser) -> None:
     add(
         solve,
         "--closeness",
-        f"{' | '.join(CLOSENESS)}: as near to the target as rigid tiles allow (default), or every vertex on it",
+        f"{' | '.join(CLOSENESS)}: rigid tiles near the target (default; --prefer nearest: nearer still), or "
+        "every vertex on it",
         metavar="MODE",
     )
     add(

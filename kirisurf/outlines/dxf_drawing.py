@@ -60,7 +60,8 @@ def read(content: bytes, name: str) -> Drawing:
     try:
         document, auditor = recover.read(io.BytesIO(content))
     except (ezdxf.DXFError, *_DAMAGED) as problem:
-        raise UnreadableError(f"{name}: expected DXF, got damaged content: {str(problem)[:100]}") from None
+        said = str(problem)[:100].encode("unicode_escape").decode("ascii")
+        raise UnreadableError(f"{name}: expected DXF, got damaged content: {said}") from None
     notes: list[str] = []
     if auditor.has_errors:
         notes.append(
@@ -71,6 +72,9 @@ def read(content: bytes, name: str) -> Drawing:
     count = 0
     for entity in document.modelspace():
         kind = entity.dxftype()
+        if _is_hidden(document, entity):
+            left_out[f"{kind} on a layer that is off or frozen"] += 1
+            continue
         if kind not in _READERS:
             left_out[kind] += 1
             continue
@@ -92,6 +96,17 @@ def read(content: bytes, name: str) -> Drawing:
     if factor != 1.0:
         curves = [curve.transformed(factor * np.eye(2), np.zeros(2)) for curve in curves]
     return Drawing(name, tuple(curves), unit, tuple(notes))
+
+
+def _is_hidden(document: Any, entity: Any) -> bool:
+    """Is an entity invisible, or on a layer that is switched off or frozen?"""
+    if entity.dxf.get("invisible", 0):
+        return True
+    name = entity.dxf.get("layer", "0")
+    if name not in document.layers:
+        return False
+    layer = document.layers.get(name)
+    return bool(layer.is_off() or layer.is_frozen())
 
 
 def _unit(code: Any, notes: list[str]) -> tuple[str | None, float]:

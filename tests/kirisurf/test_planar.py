@@ -149,3 +149,15 @@ def test_interrupted_on_the_way_keeps_a_sheet() -> None:
 def test_options_that_do_not_go_together_are_refused(options: dict[str, object], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         fitted(outline("circle"), **options)
+
+
+@pytest.mark.parametrize("name", ["star", "disc", "heart"])
+def test_the_flat_sheet_follows_an_outline_with_and_without_corners(name: str) -> None:
+    spec = FitSpec(target="circle", cells=(2, 2), contracted=name)
+    result = fit_surface(flat_target(outline("circle")), spec)
+    assert result.fit.status is Status.CONVERGED
+    assert result.contracted_boundary is not None
+    distances = result.contracted_boundary.distances(result.contracted.points)
+    assert distances.max() <= 1e-9 * result.fit.edge_length
+    # an outline without corners leaves those of the rectangular pattern outside, which is said
+    assert any("flat sheet lie outside" in said for said in result.warnings) == (name != "star")

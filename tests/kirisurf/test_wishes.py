@@ -41,7 +41,9 @@ def reached(design: Design) -> float:
 
 
 def openness(design: Design) -> float:
-    return -float(slit_openings(design.tessellation, design.deployed_points).mean())
+    """Root mean square difference of the openings from a right angle: wider, the holes of squares close again."""
+    openings = slit_openings(design.tessellation, design.deployed_points)
+    return float(np.sqrt(np.mean((openings - np.pi / 2) ** 2)))
 
 
 def unevenness(design: Design) -> float:

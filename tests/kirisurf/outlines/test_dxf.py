@@ -260,3 +260,15 @@ def test_damaged_drawings_never_end_in_another_error(tmp_path: Path) -> None:
         except KirisurfError:
             continue
         assert found.area > 0
+
+
+def test_layers_that_are_off_are_left_out(tmp_path: Path) -> None:
+    document = ezdxf.new("R2010")
+    document.layers.add("HIDDEN").off()
+    document.layers.add("COLD").freeze()
+    for radius, layer in ((100.0, "HIDDEN"), (200.0, "COLD"), (30.0, "0")):
+        document.modelspace().add_circle((0, 0), radius, dxfattribs={"layer": layer})
+    document.saveas(tmp_path / "layers.dxf")
+    found, notes = read_outline(tmp_path / "layers.dxf")
+    assert found.area == pytest.approx(900 * math.pi, rel=1e-12)
+    assert any("2 CIRCLE on a layer that is off or frozen" in note for note in notes)
