@@ -66,8 +66,7 @@ def needs_both_states(tessellation: Tessellation, spec: FitSpec) -> bool:
     """Are the contracted points unknowns too? See :class:`kirisurf.two_states.TwoStates`."""
     asked = spec.contracted != "free" or spec.prefer != "balanced"
     asked = asked or spec.max_opening is not None or spec.min_corner is not None
-    opens = bool((tessellation.openings.sizes > 0).any())
-    return asked or opens or not bool(TileCorners.of(tessellation).convex.all())
+    return asked or tessellation.has_openings or not bool(TileCorners.of(tessellation).convex.all())
 
 
 def sufficiency(spec: FitSpec, tessellation: Tessellation, points: np.ndarray) -> float:

@@ -97,7 +97,7 @@ class Design:
         tiles = self.tessellation.tiles
         prescribed = self.result.boundary, self.result.contracted_boundary
         points, flat = self.deployed_points, self.contracted_points
-        return certified(self.spec, points, flat, tiles, self.surface, weld, prescribed)
+        return certified(self.spec, points, flat, tiles, self.surface, weld, prescribed, self.tessellation.has_openings)
 
     @cached_property
     def measures(self) -> Measures:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from kirisurf.cuts import Cuts
-from kirisurf.errors import ParameterError
+from kirisurf.units import checked_unit
 
 # $INSUNITS of every length unit (DXF reference, header variables).
 _INSERT_UNITS = {"um": 13, "mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
@@ -45,10 +45,8 @@ def dxf_text(lines: Cuts, units: str | None = None) -> str:
     import ezdxf
 
     unit = "mm" if units is None else units
-    if unit not in _INSERT_UNITS:
-        raise ParameterError(f"units: expected one of {', '.join(_INSERT_UNITS)}, got {units!r}")
     with _same_bytes():
-        document = ezdxf.new("R2000", units=_INSERT_UNITS[unit])
+        document = ezdxf.new("R2000", units=_INSERT_UNITS[checked_unit(unit)])
         document.header["$MEASUREMENT"] = 0 if unit in _IMPERIAL else 1
         for name, color in _LAYERS:
             document.layers.add(name, color=color)

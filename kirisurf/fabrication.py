@@ -15,7 +15,7 @@ from kirisurf.kerf import compensated_contours
 from kirisurf.runs import Run
 from kirisurf.sheet import Sheet
 from kirisurf.solid import Solid, solid
-from kirisurf.spec import UNITS
+from kirisurf.units import checked_unit
 
 LARGEST = "max"
 
@@ -60,8 +60,8 @@ class Fabrication:
         for name in ("hinge_width", "kerf", "thickness", "hinge_thickness", "gap"):
             if getattr(self, name) is not None:
                 _check_length("--" + name.replace("_", "-"), getattr(self, name), zero=name == "kerf")
-        if self.units is not None and self.units not in UNITS:
-            raise ParameterError(f"--units: expected one of {', '.join(UNITS)}, got {self.units!r}")
+        if self.units is not None:
+            checked_unit(self.units, "--units")
         if self.scale != LARGEST:
             _check_length("--scale", self.scale, hint=f" or {LARGEST}")
         elif self.sheet is None:

@@ -26,7 +26,6 @@ from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
 from kirisurf.targets import load
 from kirisurf.tessellation import Tessellation
-from kirisurf.unit_cells.catalog import find_cell
 
 if TYPE_CHECKING:
     from analysis.certificate import Certificate
@@ -48,6 +47,7 @@ def certified(
     surface: Surface,
     weld: np.ndarray | None = None,
     prescribed: PrescribedPair = (None, None),
+    openings: bool | None = None,
 ) -> Certificate:
     """Certify a design from its points and tiles, by the limits that its spec asks for.
 
@@ -63,6 +63,8 @@ def certified(
         found by proximity.
     prescribed : (Prescribed or None, Prescribed or None)
         The outlines that the deployed and the contracted sheet follow.
+    openings : bool, optional
+        Whether what stays open in the contracted sheet is meant to; by default this follows from the sheet.
     """
     from analysis.certificate import certify
     from analysis.limits import OUTLINE_ROWS
@@ -85,7 +87,7 @@ def certified(
         limits,
         boundary=_followed(prescribed[0], deployed),
         contracted_boundary=_followed(prescribed[1], contracted),
-        openings=bool(find_cell(spec.tessellation).openings),
+        openings=openings,
     )
 
 

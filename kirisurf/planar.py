@@ -19,6 +19,7 @@ from kirisurf.outline_rows import FollowsOutline
 from kirisurf.outlines import Outline
 from kirisurf.prescribed import Prescribed
 from kirisurf.problem import Problem, Term
+from kirisurf.pulling import Formulate
 from kirisurf.rim import Rim, cell_size, free_rim, rectangle_rim
 from kirisurf.scaling import median_edge
 from kirisurf.solvers.outcome import Outcome, Progress, ShouldStop
@@ -52,7 +53,7 @@ class Planar:
     notes: tuple[str, ...]
     middle: Float[np.ndarray, " 2"]
     length: float
-    problem: Callable[[np.ndarray, Weights, tuple[Term, ...]], Callable[[np.ndarray], Problem]]
+    problem: Formulate
     rim: Rim
     outline: Outline
 
@@ -96,9 +97,6 @@ def solve_rectangular(
     morph = Morph(tessellation, layout / length, local, contracted, shape(1.0))
     outcome, notes, problem = _reached(morph, shape, continuation, progress, should_stop)
     return Planar(outcome, notes, middle, length, problem, morph.rim, outline)
-
-
-Formulate = Callable[[np.ndarray, Weights, tuple[Term, ...]], Callable[[np.ndarray], Problem]]
 
 
 def _reached(

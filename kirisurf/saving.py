@@ -172,7 +172,8 @@ def _certificate_of_files(design: Finished, folder: Path) -> Certificate:
     # Before convergence the copies of a vertex do not coincide: without the welding, every row would only say that.
     weld = None if design.result.fit.status is Status.CONVERGED else design.result.tessellation.weld
     prescribed = design.result.boundary, design.result.contracted_boundary
-    return certified(design.spec, deployed, contracted, tiles, design.result.surface, weld, prescribed)
+    openings = design.result.tessellation.has_openings
+    return certified(design.spec, deployed, contracted, tiles, design.result.surface, weld, prescribed, openings)
 
 
 def _result(design: Finished, certificate: Certificate, status: Status, lines: Cuts) -> dict[str, Any]:

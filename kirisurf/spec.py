@@ -13,11 +13,11 @@ from typing import Any, no_type_check
 from kirisurf.errors import ParameterError
 from kirisurf.naming import is_file_name
 from kirisurf.tessellation_names import tessellation_names
+from kirisurf.units import UNITS
 
 CLOSENESS = ("best", "exact")
 INITIALS = ("auto", "standard", "rescaled", "conformal", "teichmuller", "analytic", "flat")
 SOLVERS = ("auto", "newton", "slsqp", "trust-constr", "ipopt", "uno")
-UNITS = ("um", "mm", "cm", "m", "in", "ft")
 DEFAULT_TILES = 300
 RECTANGLE = "rectangle"
 LEAST_TOLERANCE = 1e-12

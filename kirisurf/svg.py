@@ -7,7 +7,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from kirisurf.cuts import Cuts
-from kirisurf.errors import ParameterError
+from kirisurf.units import checked_unit
 
 # Every length unit as a multiple of a unit that SVG knows.
 _SVG_UNITS = {
@@ -56,9 +56,7 @@ def svg_text(
     '<svg xmlns="http://www.w3.org/'
     """
     unit = "mm" if units is None else units
-    if unit not in _SVG_UNITS:
-        raise ParameterError(f"units: expected one of {', '.join(_SVG_UNITS)}, got {units!r}")
-    factor, page_unit = _SVG_UNITS[unit]
+    factor, page_unit = _SVG_UNITS[checked_unit(unit)]
     low, high = lines.box
     margin = _MARGIN * float((high - low).max())
     low, high = (low - margin, high + margin) if page is None else (np.zeros(2), np.array(page, dtype=float))

@@ -17,8 +17,9 @@ from kirisurf.errors import ParameterError, UnreadableError
 from kirisurf.naming import is_file_name
 from kirisurf.outlines import Outline, planar_surface, read_outline
 from kirisurf.outlines.reading import FORMATS
-from kirisurf.spec import DEFAULT_TILES, RECTANGLE, UNITS, FitSpec
+from kirisurf.spec import DEFAULT_TILES, RECTANGLE, FitSpec
 from kirisurf.surface import Surface
+from kirisurf.units import UNITS
 
 if TYPE_CHECKING:
     from sample_surfaces.catalog import SampleSpec

@@ -81,6 +81,11 @@ class Tessellation:
     name: str = "quad"
 
     @property
+    def has_openings(self) -> bool:
+        """Does anything stay open by design inside the contracted sheet?"""
+        return bool((self.openings.sizes > 0).any())
+
+    @property
     def n_vertices(self) -> int:
         """Number of deployed vertices."""
         return len(self.weld)

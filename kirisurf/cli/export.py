@@ -9,7 +9,7 @@ from kirisurf.cli.output import Outcome, Output
 from kirisurf.cli.parser import add_command, number, value
 from kirisurf.errors import ParameterError
 from kirisurf.sheet import Sheet
-from kirisurf.spec import UNITS
+from kirisurf.units import UNITS
 
 _TEXT = """\
 The suffix chooses what is written:

@@ -15,12 +15,12 @@ from kirisurf.spec import (
     INITIALS,
     PREFERENCES,
     SOLVERS,
-    UNITS,
     FitSpec,
     parse_cells,
     parse_toml,
 )
 from kirisurf.tessellation_names import tessellation_names
+from kirisurf.units import UNITS
 
 _TEXT = f"""\
 TARGET is a mesh file (STL, OBJ, PLY, OFF, VTP, VTK, glTF), a planar outline (SVG, DXF, CSV), or the name of a

@@ -17,9 +17,6 @@ LARGEST_NUMBER = 1e60
 MOST_PIECES = 100_000
 """Lines, arcs and Bezier pieces of one drawing; as many points of one curve."""
 
-MILLIMETERS = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
-"""Length units and how many millimeters they are."""
-
 
 @dataclass(frozen=True, eq=False)
 class Drawing:

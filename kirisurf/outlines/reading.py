@@ -8,15 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from kirisurf.errors import ParameterError, UnreadableError, UnusableError
+from kirisurf.errors import UnreadableError, UnusableError
 from kirisurf.formats.source import read_bytes
 from kirisurf.gate import check_size
 from kirisurf.outlines import csv_points, dxf_drawing, svg_drawing
 from kirisurf.outlines.closing import closed_curves
 from kirisurf.outlines.curve import Curve
-from kirisurf.outlines.drawing import MILLIMETERS, Drawing
+from kirisurf.outlines.drawing import Drawing
 from kirisurf.outlines.outline import Outline
 from kirisurf.outlines.sampled import sides_through
+from kirisurf.units import MILLIMETERS, checked_unit
 
 FORMATS = (".svg", ".dxf", ".csv")
 LIMIT_MB = 32
@@ -57,8 +58,8 @@ def read_outline(
     ParameterError
         Where the unit is unknown.
     """
-    if units is not None and units not in MILLIMETERS:
-        raise ParameterError(f"units: expected one of {', '.join(MILLIMETERS)}, got {units!r}")
+    if units is not None:
+        checked_unit(units)
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in FORMATS:

@@ -19,8 +19,9 @@ import numpy as np
 
 from kirisurf.errors import KirisurfError, UnreadableError
 from kirisurf.outlines.curve import Curve
-from kirisurf.outlines.drawing import MILLIMETERS, Drawing, check_count, check_numbers, checked_number, counted
+from kirisurf.outlines.drawing import Drawing, check_count, check_numbers, checked_number, counted
 from kirisurf.outlines.svg_paths import length, length_and_unit, shape_curves
+from kirisurf.units import MILLIMETERS
 
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polygon", "polyline")
 _ELSEWHERE = ("defs", "symbol", "clipPath", "mask", "pattern", "marker", "linearGradient", "radialGradient", "filter")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -49,6 +50,15 @@ def test_meshes_carry_the_named_fields(design: Design) -> None:
     assert not contracted.points[:, 2].any()
     assert {"distance", "closure_gap"} <= set(deployed.point_data) and "planarity" in deployed.cell_data
     assert {"mean_curvature", "gaussian_curvature", "flag"} <= set(holes.cell_data)
+
+
+def test_a_cell_file_is_needed_for_the_solve_alone(bowl: Surface, tmp_path: Path) -> None:
+    own = tmp_path / "own.cell"
+    shutil.copyfile(ROOT / "kirisurf" / "unit_cells" / "files" / "rotating-rectangles.cell", own)
+    made = kirisurf.fit((bowl.vertices, bowl.faces), tessellation=str(own), cells=(2, 2))
+    own.unlink()
+    run = made.save(tmp_path / "run", pictures=False)
+    assert run.result["certificate"] == pytest.approx(dict(made.certificate.rows), abs=1e-12)
 
 
 def test_the_saved_target_of_a_mesh_in_memory_repeats_the_run(design: Design, tmp_path: Path) -> None:

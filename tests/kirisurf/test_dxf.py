@@ -12,7 +12,7 @@ from ezdxf.document import Drawing
 from kirisurf.cuts import Cuts, cuts
 from kirisurf.dxf import dxf_text
 from kirisurf.errors import ParameterError
-from kirisurf.spec import UNITS
+from kirisurf.units import UNITS
 from tests.kirisurf.patterns import NAMES, bent, pattern
 
 

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kirisurf.errors import ParameterError
-from kirisurf.spec import CLOSENESS, DEFAULT_TILES, SOLVERS, UNITS, FitSpec, parse_cells
+from kirisurf.spec import CLOSENESS, DEFAULT_TILES, SOLVERS, FitSpec, parse_cells
+from kirisurf.units import UNITS
 
 positive = st.floats(1e-12, 1e12)
 specs = st.fixed_dictionaries(

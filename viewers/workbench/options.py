@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from kirisurf.spec import CLOSENESS, DEFAULT_TILES, INITIALS, PREFERENCES, UNITS, FitSpec
+from kirisurf.spec import CLOSENESS, DEFAULT_TILES, INITIALS, PREFERENCES, FitSpec
 from kirisurf.tessellation_names import tessellation_names
+from kirisurf.units import UNITS
 
 FIRST_CELLS = (8, 8)
 """Unit cells that are taken where a trimmed pattern is exchanged for a rectangular one."""
