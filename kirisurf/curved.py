@@ -17,6 +17,7 @@ from kirisurf.contracted_solution import contracted_solution, laid_start
 from kirisurf.crossing import tiles_cross
 from kirisurf.formulation import Formulation, Weights
 from kirisurf.freedom import freedom_of
+from kirisurf.ground import Ground
 from kirisurf.layout import Layout
 from kirisurf.problem import Problem, Term
 from kirisurf.pulling import pulled
@@ -50,17 +51,18 @@ def solve_curved(
         See :func:`kirisurf.pipeline.fit_surface`.
     """
     contracted = contracted_shape(spec)
-    start = make_start(surface, spec)
+    ground = Ground(surface)
+    start = make_start(surface, spec, ground)
     started = time.perf_counter()
     if needs_both_states(start.tessellation, spec):
-        return _both_states(surface, spec, start, contracted, left, started, progress, should_stop)
+        return _both_states(ground, spec, start, contracted, left, started, progress, should_stop)
     if start.layout is not None and spec.initial == "auto" and spec.closeness == "best" and _is_free(spec):
-        below = [partial(_level, surface, layout, spec, left) for layout in layouts(start.layout)[:0:-1]]
-        finest = _level(surface, start.layout, spec, left)
+        below = [partial(_level, ground, layout, spec, left) for layout in layouts(start.layout)[:0:-1]]
+        finest = _level(ground, start.layout, spec, left)
         frame, formulate = finest.frame, finest.formulate
         outcome, notes = solve_cascade(below, finest, progress, should_stop)
     else:
-        frame, formulate, continuation = _formulated(surface, start.tessellation, start.points, spec, left)
+        frame, formulate, continuation = _formulated(ground, start.tessellation, start.points, spec, left)
         outcome, notes = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
     return Solved(
         start.tessellation,
@@ -81,15 +83,15 @@ def _is_free(spec: FitSpec) -> bool:
     return spec.max_steps is None and spec.solver in ("auto", "newton")
 
 
-def _level(surface: Surface, layout: Layout, spec: FitSpec, left: Callable[[], Limits]) -> Level:
-    return Level(layout, *_formulated(surface, layout.tessellation, layout.points, spec, left))
+def _level(ground: Ground, layout: Layout, spec: FitSpec, left: Callable[[], Limits]) -> Level:
+    return Level(layout, *_formulated(ground, layout.tessellation, layout.points, spec, left))
 
 
 def _formulated(
-    surface: Surface, tessellation: Tessellation, points: np.ndarray, spec: FitSpec, left: Callable[[], Limits]
+    ground: Ground, tessellation: Tessellation, points: np.ndarray, spec: FitSpec, left: Callable[[], Limits]
 ) -> tuple[Frame, Formulate, Continuation]:
     """The frame of a start (n, 3), its problems, and the way they are solved."""
-    frame, scaled = unit_scale(surface, tessellation, points)
+    frame, scaled = unit_scale(ground.surface, tessellation, points, ground.closest)
 
     def formulate(reference: np.ndarray, weights: Weights, guarded: bool) -> Callable[[np.ndarray], Problem]:
         return Formulation(
@@ -110,7 +112,7 @@ def _formulated(
 
 
 def _both_states(
-    surface: Surface,
+    ground: Ground,
     spec: FitSpec,
     start: Start,
     contracted: ContractedShape,
@@ -121,7 +123,7 @@ def _both_states(
 ) -> Solved:
     """Solve with the contracted points as unknowns."""
     tessellation, n = start.tessellation, start.tessellation.n_vertices
-    frame, scaled = unit_scale(surface, tessellation, start.points)
+    frame, scaled = unit_scale(ground.surface, tessellation, start.points, ground.closest)
     points = laid_start(tessellation, frame.into(start.points), contracted)
 
     def problem(

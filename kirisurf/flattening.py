@@ -8,6 +8,7 @@ a kirigami sheet stretches by a bounded factor only, that spread is what decides
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,8 +16,8 @@ import igl
 import numpy as np
 import shapely
 from jaxtyping import Float, Int
-from scipy.sparse import csc_matrix, csr_matrix, diags
-from scipy.sparse.linalg import factorized, spsolve
+from scipy.sparse import csc_matrix, csr_matrix, diags, spmatrix
+from scipy.sparse.linalg import splu, spsolve
 
 from kirisurf.closest import barycentric
 from kirisurf.errors import UnusableError
@@ -118,7 +119,7 @@ def flatten(surface: Surface) -> Flattening:
     inner = np.setdiff1d(np.arange(len(unit)), loop)
     defect = _angle_defects(unit, faces, loop)
     interior = laplacian[inner][:, inner]
-    solve = factorized(csc_matrix(interior)) if len(inner) else lambda b: b
+    solve = positive_solver(interior)
     log_scale = np.zeros(len(unit))
     log_scale[inner] = solve(-defect[inner])
     turning = defect[loop] + (laplacian @ log_scale)[loop]
@@ -130,6 +131,14 @@ def flatten(surface: Surface) -> Flattening:
     for axis in range(2):
         uv[inner, axis] = solve(-(coupling @ curve[:, axis]))
     return checked_flattening(surface, uv * size, "conformal")
+
+
+def positive_solver(matrix: spmatrix) -> Callable[[np.ndarray], np.ndarray]:
+    """Return what solves with a sparse symmetric positive definite matrix, which may be empty."""
+    if not matrix.shape[0]:
+        return np.copy
+    # a symmetric order: half the time of the default for such matrices
+    return splu(csc_matrix(matrix), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
 
 
 def checked_flattening(surface: Surface, uv: np.ndarray, kind: str) -> Flattening:

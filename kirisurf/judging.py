@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirisurf.arrays import frozen
+from kirisurf.closest import ClosestPoints
 from kirisurf.errors import ParameterError, UnusableError
-from kirisurf.formats import read_polygons
+from kirisurf.field_units import ORIGIN
+from kirisurf.formats import read_fields, read_polygons
 from kirisurf.loops import Loops
 from kirisurf.origin import moved
 from kirisurf.outlines import Outline
@@ -29,6 +32,7 @@ from kirisurf.tessellation import Tessellation
 
 if TYPE_CHECKING:
     from analysis.certificate import Certificate
+    from analysis.frames import Frame
     from analysis.measures import Measures
 
 PrescribedPair = tuple[Prescribed | None, Prescribed | None]
@@ -95,13 +99,22 @@ def _followed(prescribed: Prescribed | None, points: np.ndarray) -> tuple[np.nda
     return None if prescribed is None else (prescribed.vertices, prescribed.distances(points))
 
 
-def measured(tessellation: Tessellation, deployed: np.ndarray, contracted: np.ndarray, surface: Surface) -> Measures:
-    """Measure a design: distances, curvatures and sizes as named fields, tables and numbers."""
+def measured(
+    tessellation: Tessellation,
+    deployed: np.ndarray,
+    contracted: np.ndarray,
+    surface: Surface,
+    closest: ClosestPoints | None = None,
+) -> Measures:
+    """Measure a design: distances, curvatures and sizes as named fields, tables and numbers.
+
+    Its target's closest points may be at hand.
+    """
     from analysis.measures import measure
 
     outline = surface.outline
     curve = outline.polyline(outline.diagonal / OUTLINE_PARTS) if isinstance(outline, Outline) else None
-    return measure(tessellation, deployed, contracted, surface, target_outline=curve)
+    return measure(tessellation, deployed, contracted, surface, closest, curve)
 
 
 def patch_points(tessellation: Tessellation, deployed: np.ndarray, n: int) -> np.ndarray:
@@ -118,6 +131,15 @@ def named_fields(measures: Measures, where: str) -> dict[str, np.ndarray]:
         rows = measures.tables["holes"]
         found[CENTER] = frozen(np.array([[row[axis] for axis in "xyz"] for row in rows]).reshape(-1, 3))
     return found
+
+
+def deployment(
+    tessellation: Tessellation, contracted: np.ndarray, deployed: np.ndarray, shares: Sequence[float]
+) -> Iterator[Frame]:
+    """Yield the sheet at shares of the way between its states: interpolated, no mechanism."""
+    from analysis.frames import frames
+
+    return frames(tessellation, contracted, deployed, shares)
 
 
 def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
@@ -168,7 +190,9 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
 
 
 def origin_of(deployed: Any) -> np.ndarray:
-    """Return the origin (3,) that the comments of an OBJ file name, zero where they name none."""
+    """Return the origin (3,) that an OBJ file names in a comment, a VTP file in its field data; zero without one."""
+    if isinstance(deployed, (str, os.PathLike)) and Path(deployed).suffix.lower() == ".vtp":
+        return _finite(np.ravel(np.asarray(read_fields(deployed).about.get(ORIGIN, ()))))
     if isinstance(deployed, (str, os.PathLike)) and Path(deployed).suffix.lower() == ".obj":
         with open(deployed, encoding="utf-8", errors="replace") as file:
             for _, line in zip(range(_ORIGIN_LINES), file, strict=False):
@@ -195,7 +219,11 @@ def _state(state: Any) -> tuple[np.ndarray, Loops]:
 def _numbers(words: tuple[str, ...]) -> np.ndarray:
     """Three finite numbers, or zeros: a comment of another program is no origin."""
     try:
-        values = np.array([float(word) for word in words])
+        return _finite(np.array([float(word) for word in words]))
     except ValueError:
         return np.zeros(3)
-    return values if np.isfinite(values).all() else np.zeros(3)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    is_origin = values.shape == (3,) and values.dtype.kind in "iuf" and np.isfinite(values).all()
+    return values.astype(float) if is_origin else np.zeros(3)

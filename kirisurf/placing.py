@@ -8,6 +8,7 @@ import numpy as np
 
 from kirisurf.errors import ParameterError
 from kirisurf.flattening import Flattening
+from kirisurf.ground import Ground
 from kirisurf.placement import (
     CLOSE,
     MOST_UNEQUAL,
@@ -18,7 +19,7 @@ from kirisurf.placement import (
     similar_placement,
     trimmed_placement,
 )
-from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners
+from kirisurf.rectangle_map import turned_by_a_quarter
 from kirisurf.regular import Regular
 from kirisurf.spec import DEFAULT_TILES, FitSpec
 
@@ -46,7 +47,7 @@ class Placed:
     warnings: tuple[str, ...] = ()
 
 
-def place_rectangle(base: Flattening, conformal: Flattening, spec: FitSpec, regular: Regular) -> Placed:
+def place_rectangle(base: Flattening, ground: Ground, spec: FitSpec, regular: Regular) -> Placed:
     """Place a rectangular sheet of `spec.cells` by the map that `spec.initial` names.
 
     auto
@@ -70,26 +71,27 @@ def place_rectangle(base: Flattening, conformal: Flattening, spec: FitSpec, regu
 
     Parameters
     ----------
-    base, conformal : Flattening
-        What the pattern is laid on, and the conformal map with a free outline.
+    base : Flattening
+        What the pattern is laid on.
+    ground : Ground
+        The target with its conformal maps.
     spec : FitSpec
     regular : Regular
     """
     columns, rows = spec.cells or (1, 1)
-    corners, found = rectangle_corners(conformal)
     most = STRETCHED.get(spec.initial, MOST_UNEQUAL)
     tried = []
     for turn in range(2):
         if spec.initial == "standard":
-            flattening = _turned(conformal, turn)
+            flattening = _turned(ground.flattening, turn)
             placement = similar_placement(flattening, columns, rows, regular)
         else:
             if spec.initial == "rescaled":
-                flattening = _turned(conformal, turn)
+                flattening = _turned(ground.flattening, turn)
             elif base.kind == "projection":
                 flattening = base
             else:
-                flattening = map_to_rectangle(conformal, np.roll(corners, -turn))
+                flattening = turned_by_a_quarter(ground.rectangle) if turn else ground.rectangle
             placement = rectangle_placement(flattening, columns, rows, regular, most)
         tried.append((flattening, placement))
     # columns along the long side or across it: whichever covers more, the former where both do alike
@@ -105,7 +107,7 @@ def place_rectangle(base: Flattening, conformal: Flattening, spec: FitSpec, regu
     else:
         where = (
             "the four corners of its outline"
-            if found
+            if ground.has_corners
             else "four points of its outline, which has no four clear corners"
         )
         stretch = f", stretched by a factor of {unequal:.2f}" if spec.initial == "teichmuller" else ""

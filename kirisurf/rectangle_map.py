@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import igl
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
-from kirisurf.flattening import Flattening, checked_flattening
+from kirisurf.flattening import Flattening, checked_flattening, positive_solver
 from kirisurf.gate import check_native
 from kirisurf.placement import main_direction
 
@@ -77,12 +78,18 @@ def map_to_rectangle(flattening: Flattening, corners: Int[np.ndarray, " 4"]) -> 
     return checked_flattening(surface, np.stack([across * ratio * height, along * height], axis=1), "rectangle")
 
 
+def turned_by_a_quarter(rectangle: Flattening) -> Flattening:
+    """Return a map to a rectangle with its second corner at the lower left: the map that belongs to those corners."""
+    width = rectangle.uv[:, 0].max()
+    return replace(rectangle, uv=np.stack([rectangle.uv[:, 1], width - rectangle.uv[:, 0]], axis=1))
+
+
 def _harmonic(laplacian: csc_matrix, zero: np.ndarray, one: np.ndarray) -> Float[np.ndarray, " v"]:
     value = np.zeros(laplacian.shape[0])
     value[one] = 1.0
     free = np.setdiff1d(np.arange(len(value)), np.concatenate([zero, one]))
     rows = laplacian[free]
-    value[free] = splu(csc_matrix(rows[:, free])).solve(-(rows @ value))
+    value[free] = positive_solver(rows[:, free])(-(rows @ value))
     return value
 
 

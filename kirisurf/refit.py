@@ -21,6 +21,7 @@ from kirisurf.continuation import Continuation, Formulate
 from kirisurf.contract import contract
 from kirisurf.fit_result import FitResult
 from kirisurf.formulation import Formulation, Weights
+from kirisurf.ground import Ground
 from kirisurf.layout import Layout
 from kirisurf.problem import Problem
 from kirisurf.scaling import Frame, Scaled, median_edge, unit_scale
@@ -44,23 +45,23 @@ class Begun:
 
     Attributes
     ----------
-    surface : Surface
-        A disk, consistently oriented.
+    ground : Ground
+        The target.
     start : Start
     frame : Frame
     scaled : Scaled
         Closest points of the target in the frame.
     """
 
-    surface: Surface
+    ground: Ground
     start: Start
     frame: Frame
     scaled: Scaled
 
     @classmethod
-    def of(cls, surface: Surface, start: Start) -> Begun:
+    def of(cls, ground: Ground, start: Start) -> Begun:
         """Return the beginning of a start."""
-        return cls(surface, start, *unit_scale(surface, start.tessellation, start.points))
+        return cls(ground, start, *unit_scale(ground.surface, start.tessellation, start.points, ground.closest))
 
 
 def can_refit(surface: Surface, spec: FitSpec, start: Start) -> bool:
@@ -113,7 +114,7 @@ def refit(
     """
     clock = time.perf_counter
     began = clock()
-    surface, start = begun.surface, begun.start
+    ground, start = begun.ground, begun.start
     limits = Limits(tolerance=float(np.clip(1e-2 * spec.tolerance, 1e-13, 1e-11)))
 
     def left() -> Limits:
@@ -127,7 +128,7 @@ def refit(
     if points is not None and not np.array_equal(points, start.points):
         outcome, notes = _from_points(continuation, formulate, begun.frame, start.points, points, progress, should_stop)
     if outcome is None and start.layout is not None and spec.initial == "auto":
-        below = [partial(_level, surface, layout, spec, left, watch) for layout in layouts(start.layout)[:0:-1]]
+        below = [partial(_level, ground, layout, spec, left, watch) for layout in layouts(start.layout)[:0:-1]]
         finest = Level(start.layout, begun.frame, formulate, continuation)
         outcome, notes = solve_cascade(below, finest, progress, should_stop)
     elif outcome is None:
@@ -137,7 +138,7 @@ def refit(
     fit = Fit(start.tessellation, frozen(found), begun.frame.length, outcome.status, outcome.history)
     contracted = contract(start.tessellation, fit.points)
     return FitResult(
-        surface=surface,
+        surface=ground.surface,
         initial=frozen(start.points),
         fit=fit,
         contracted=contracted,
@@ -168,8 +169,8 @@ def _from_points(
     return outcome, ("Solve: from the sheet that was there before.", *notes)
 
 
-def _level(surface: Surface, layout: Layout, spec: FitSpec, left: Callable[[], Limits], watch: Watch | None) -> Level:
-    frame, scaled = unit_scale(surface, layout.tessellation, layout.points)
+def _level(ground: Ground, layout: Layout, spec: FitSpec, left: Callable[[], Limits], watch: Watch | None) -> Level:
+    frame, scaled = unit_scale(ground.surface, layout.tessellation, layout.points, ground.closest)
     formulate = _formulated(frame, scaled, layout.tessellation, spec, watch)
     return Level(layout, frame, formulate, _continued(layout.tessellation, spec, left))
 

@@ -39,8 +39,8 @@ class Frame:
 class Scaled:
     """Closest points of a smooth surface, asked and answered in tile edges."""
 
-    def __init__(self, surface: Surface, frame: Frame) -> None:
-        self._closest = ClosestPoints(surface)
+    def __init__(self, closest: ClosestPoints, frame: Frame) -> None:
+        self._closest = closest
         self._frame = frame
 
     def project(self, points: np.ndarray) -> Projection:
@@ -64,7 +64,9 @@ def median_edge(tessellation: Tessellation, points: np.ndarray) -> float:
     return float(np.median(tile_edges(tessellation, points)))
 
 
-def unit_scale(surface: Surface, tessellation: Tessellation, points: np.ndarray) -> tuple[Frame, Scaled]:
-    """Return the frame of a start and the target in it."""
+def unit_scale(
+    surface: Surface, tessellation: Tessellation, points: np.ndarray, closest: ClosestPoints | None = None
+) -> tuple[Frame, Scaled]:
+    """Return the frame of a start and the target in it, whose closest points may be at hand."""
     frame = Frame(surface.vertices.mean(axis=0), median_edge(tessellation, points))
-    return frame, Scaled(surface, frame)
+    return frame, Scaled(closest or ClosestPoints(surface), frame)

@@ -9,7 +9,8 @@ from jaxtyping import Float
 
 from kirisurf.errors import UnusableError
 from kirisurf.feasibility import Feasibility, Range, feasibility, wide_enough
-from kirisurf.flattening import Flattening, checked_flattening, flatten
+from kirisurf.flattening import Flattening, checked_flattening
+from kirisurf.ground import Ground
 from kirisurf.layout import Layout
 from kirisurf.motion import motion_of
 from kirisurf.opening import middle_way, plan_opening
@@ -50,8 +51,15 @@ class Start:
     layout: Layout | None = None
 
 
-def make_start(surface: Surface, spec: FitSpec) -> Start:
+def make_start(surface: Surface, spec: FitSpec, ground: Ground | None = None) -> Start:
     """Lay the pattern of a spec on a surface.
+
+    Parameters
+    ----------
+    surface : Surface
+    spec : FitSpec
+    ground : Ground, optional
+        Of the surface, where one is at hand.
 
     Raises
     ------
@@ -62,7 +70,8 @@ def make_start(surface: Surface, spec: FitSpec) -> Start:
     """
     motion = motion_of(find_cell(spec.tessellation))
     regular = Regular(motion, middle_way(motion, spec))
-    conformal = flatten(surface)
+    ground = ground or Ground(surface)
+    conformal = ground.flattening
     notes: list[str] = []
     warnings: list[str] = []
     if conformal.n_repaired:
@@ -74,9 +83,7 @@ def make_start(surface: Surface, spec: FitSpec) -> Start:
     if spec.initial == "analytic":
         flat = (surface.vertices - surface.vertices.mean(axis=0)) @ _mean_plane(surface, conformal).T
         base = checked_flattening(surface, flat, "projection")
-    placed = (
-        place_trimmed(base, spec, regular) if spec.cells is None else place_rectangle(base, conformal, spec, regular)
-    )
+    placed = place_trimmed(base, spec, regular) if spec.cells is None else place_rectangle(base, ground, spec, regular)
     notes += placed.notes
     warnings += placed.warnings
     layout = Layout(placed.flattening, placed.placement, conformal.log_scale, regular)

@@ -9,7 +9,7 @@ import sample_surfaces
 from kirisurf.errors import UnusableError
 from kirisurf.flattening import checked_flattening, flatten, signed_areas
 from kirisurf.placement import main_direction, rectangle_placement, trimmed_placement
-from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners
+from kirisurf.rectangle_map import map_to_rectangle, rectangle_corners, turned_by_a_quarter
 from kirisurf.surface import Surface
 
 
@@ -111,6 +111,16 @@ def test_rectangle_maps_are_conformal_with_the_corners_at_the_corners(name: str,
     if ratio is not None:
         assert width / height == pytest.approx(ratio, rel=1e-3)
     assert np.median(quasi_conformal_errors(surface, rectangle.uv)) < 0.05
+
+
+@pytest.mark.parametrize("name", ["hypar", "car_hood"])
+def test_a_quarter_turn_gives_the_map_that_the_next_corner_gives(name: str) -> None:
+    flat = flatten(sample_surfaces.load(name, resolution=16))
+    corners = rectangle_corners(flat)[0]
+    turned = turned_by_a_quarter(map_to_rectangle(flat, corners))
+    solved = map_to_rectangle(flat, np.roll(corners, -1))
+    np.testing.assert_allclose(turned.uv, solved.uv, atol=1e-9 * np.ptp(solved.uv))
+    np.testing.assert_allclose(turned.log_scale, solved.log_scale, atol=1e-9)
 
 
 @pytest.mark.parametrize("tiles", [40, 300, 1500])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kirisurf.fit_result import FitResult
+from kirisurf.ground import Ground
 from kirisurf.refit import Begun, can_refit
 from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
@@ -17,13 +18,18 @@ class AtHand:
     """What was computed last, stage by stage; None from where nothing was."""
 
     spec: FitSpec
-    surface: Surface
+    ground: Ground
     origin: np.ndarray
     notes: tuple[str, ...]
     begun: Begun | None = None
     result: FitResult | None = None
     before: FitResult | None = None
     """A fit by other options, which the solver may go on from."""
+
+    @property
+    def surface(self) -> Surface:
+        """The target."""
+        return self.ground.surface
 
     @property
     def can_refit(self) -> bool:

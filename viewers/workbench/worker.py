@@ -17,6 +17,7 @@ from kirisurf.arrays import frozen
 from kirisurf.contract import contract
 from kirisurf.design import Design
 from kirisurf.errors import KirisurfError
+from kirisurf.ground import Ground
 from kirisurf.judging import certified, measured
 from kirisurf.origin import moved, round_origin
 from kirisurf.pipeline import fit_surface, require_memory
@@ -169,7 +170,7 @@ class Worker:
         origin = round_origin(surface)
         surface = require_disk(moved(surface, origin))
         self._send(TargetRead(job.number, surface, notes + more))
-        return AtHand(spec, surface, origin, notes + more)
+        return AtHand(spec, Ground(surface), origin, notes + more)
 
     def _lay(self, known: AtHand, job: Job) -> AtHand:
         """Lay the pattern on the target; a rectangular one in a planar outline is bent into it by the solver."""
@@ -177,8 +178,8 @@ class Worker:
         if known.surface.outline is not None and spec.cells is not None and spec.initial == "auto":
             return known
         self._send(Began(job.number, Stage.GUESS, "laying the pattern"))
-        start = make_start(known.surface, spec)
-        known = replace(known, begun=Begun.of(known.surface, start))
+        start = make_start(known.surface, spec, known.ground)
+        known = replace(known, begun=Begun.of(known.ground, start))
         self._at_hand = known
         notes = (start.feasibility.sentence, start.feasibility.advice)
         self._send(
@@ -233,7 +234,9 @@ class Worker:
         self._send(Began(job.number, Stage.HOLES, "measuring"))
         began = time.perf_counter()
         tessellation, points, flat = result.tessellation, result.fit.points, result.contracted.points
-        found = measured(tessellation, points, flat, result.surface)
+        # an exact fit is to a smooth surface of its own
+        closest = known.ground.closest if result.surface is known.surface else None
+        found = measured(tessellation, points, flat, result.surface, closest)
         stretch = None if result.feasibility is None else (result.feasibility.asked, result.feasibility.given.ends)
         drawn = sheet(tessellation, points, flat, result.surface, found.fields, spec.units, stretch)
         self._send(
@@ -259,7 +262,9 @@ class Worker:
         self._send(Began(job.number, Stage.HOLES, "checking every row of the certificate"))
         weld = None if result.fit.status is Status.CONVERGED else tessellation.weld
         prescribed = result.boundary, result.contracted_boundary
-        verdict = certified(spec, points, flat, tessellation.tiles, result.surface, weld, prescribed)
+        verdict = certified(
+            spec, points, flat, tessellation.tiles, result.surface, weld, prescribed, tessellation.has_openings
+        )
         rows = dict(verdict.rows)
         self._send(Certified(job.number, rows, dict(verdict.limits), tuple(verdict.failures)))
         self._send(Ended(job.number))
