@@ -1,7 +1,7 @@
 # make demo    set everything up, run the main job on a bundled surface, end with the path of the report
 # make test    set everything up, run every check and every test
 # make lint    only the checks: style, layers, types
-# make bench   measure the solver and its peers (installs the optional peers ipyopt and unopy)
+# make bench   measure the solver and its peers (installs ipyopt and unopy), then the workbench
 # make setup   only the set-up (.venv); PYTHON=... names another Python than python3
 # make clean   remove what the other targets made
 
@@ -34,6 +34,7 @@ bench: $(READY)
 		--no-build-isolation --editable '.[peers]' \
 		|| echo "make bench: the peers ipopt and uno could not be installed; going on without" >&2
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) tests/benchmarks/run.py
+	@$(PY) tests/benchmarks/window.py
 
 setup: $(READY)
 
@@ -44,7 +45,7 @@ $(READY):
 constraints:
 	@rm -rf build/pins
 	@python3 -m venv build/pins
-	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test,peers,desktop]' hatchling editables
+	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test,peers,desktop,web]' hatchling editables
 	@{ sed -n '/^#/p' constraints.txt; build/pins/bin/python -m pip freeze --exclude-editable; } > build/constraints.txt
 	@mv build/constraints.txt constraints.txt
 	@rm -rf build/pins

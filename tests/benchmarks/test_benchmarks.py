@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import time
 from pathlib import Path
 
@@ -9,11 +11,12 @@ import pytest
 
 import kirisurf
 from kirisurf.errors import ParameterError
-from tests.benchmarks import run
+from tests.benchmarks import run, window
 from tests.benchmarks.measuring import Measurement
 from tests.benchmarks.problems import Problem, parsed, standard
 from tests.benchmarks.stopwatch import PARTS, Stopwatch
 from tests.benchmarks.tables import COLUMNS, derived, exponent, line
+from viewers.workbench.desktop.qt import is_installed
 
 
 def cells(text: str) -> list[str]:
@@ -49,6 +52,25 @@ def test_a_target_that_is_not_there_is_a_row_and_no_crash() -> None:
     row = run.measured(Problem("no_such_surface", grid=4), "newton", 60.0)
     assert row.end == "refused" and "no_such_surface" in row.note
     assert len(cells(line(row))) == len(COLUMNS)
+
+
+def test_the_times_of_a_window_are_its_own(tmp_path: Path) -> None:
+    if not is_installed():
+        pytest.skip("the window's benchmark did not run: the extra kirisurf[desktop] is missing")
+    if not (os.environ.get("DISPLAY") or shutil.which("xvfb-run")):
+        pytest.skip("the window's benchmark did not run: there is no display, and no xvfb-run to make one")
+    path = tmp_path / "window.md"
+    assert window.main(["--grids", "4", "-o", str(path)]) == 0
+    titles, _, row = path.read_text(encoding="utf-8").splitlines()
+    assert len(cells(row)) == len(cells(titles)) == len(window.COLUMNS) + 1
+    times = dict(zip(window.COLUMNS, map(float, cells(row)[1:]), strict=True))
+    assert min(times.values()) > 0 and times["window"] < times["first fit"]
+    assert all(times[name] <= times[f"{name} colored"] for name in ("bound", "opening", "pattern"))
+
+
+def test_a_window_that_fails_is_said(tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="code 1"):
+        window.in_a_process("no_such_surface", 4)
 
 
 def test_the_stopwatch_splits_the_solve_and_puts_the_methods_back() -> None:

@@ -25,7 +25,7 @@ def probe_workbench(seconds: float = 60.0) -> OpenGL:
         return OpenGL(False, "", f"The workbench needs Qt; this line installs it: {INSTALL_LINE}")
     with ThreadPoolExecutor(1) as pool:
         display = pool.submit(probe_display)
-        ending = _ending(seconds)
+        ending = ending_of_qt(seconds)
         answer = display.result()
     if not answer.available:
         return answer
@@ -34,7 +34,7 @@ def probe_workbench(seconds: float = 60.0) -> OpenGL:
     return answer
 
 
-def _ending(seconds: float) -> str:
+def ending_of_qt(seconds: float = 60.0) -> str:
     """How a child process ended that opened Qt; empty where it did well."""
     try:
         child = subprocess.run(
