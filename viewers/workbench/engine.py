@@ -16,7 +16,7 @@ from multiprocessing.synchronize import Event as Flag
 from typing import Any
 
 from kirisurf.spec import FitSpec
-from viewers.workbench.events import Draw, Event, Job, Lost, Request, SaveRun
+from viewers.workbench.events import CutFile, Draw, Event, Job, Lost, Request, SaveRun
 from viewers.workbench.pipeline import Stage
 
 PATIENCE = 2.0
@@ -104,9 +104,13 @@ class Engine:
         """Ask the solver to end at its best point, which is then reported as any other."""
         self._stop.set()
 
-    def save(self, folder: str, overwrite: bool = False) -> None:
+    def save(self, folder: str, overwrite: bool = False, pictures: bool = True) -> None:
         """Ask for a run folder of the last fit."""
-        self._ask(SaveRun(folder, overwrite))
+        self._ask(SaveRun(folder, overwrite, pictures))
+
+    def cut(self, path: str, hinge_width: float | None = None, kerf: float = 0.0) -> None:
+        """Ask for a cut file of the last fit, .svg or .dxf."""
+        self._ask(CutFile(path, hinge_width, kerf))
 
     def draw(self, request: Draw) -> None:
         """Ask for a picture or an animation."""

@@ -52,6 +52,24 @@ class SaveRun:
     pictures: bool = True
 
 
+@dataclass(frozen=True)
+class CutFile:
+    """Write the cut pattern of the last fit; the suffix of the path, .svg or .dxf, says how.
+
+    Attributes
+    ----------
+    path : str
+    hinge_width : float or None
+        Material left at every hinge, in the target's units; None is a part of the tile edge.
+    kerf : float
+        Width of the cut, in the same units.
+    """
+
+    path: str
+    hinge_width: float | None = None
+    kerf: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Draw:
     """Write pictures: one scene as PNG, or several as the frames of a GIF that runs for ever.
@@ -71,7 +89,7 @@ class Draw:
     seconds: float = 0.05
 
 
-Request = Job | SaveRun | Draw
+Request = Job | SaveRun | CutFile | Draw
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirisurf.origin import moved, round_origin
 from kirisurf.spec import FitSpec
 from kirisurf.states import Step
 from kirisurf.status import Status
-from kirisurf.targets import is_sample, resolved, target_name
+from kirisurf.targets import is_sample, loaded, resolved, target_name
+from kirisurf.topology import require_disk
 from viewers.workbench.events import Certified, Fitted, Shape
 from viewers.workbench.results import Results
 from viewers.workbench.state import State
@@ -74,6 +76,31 @@ def opened_run(folder: str) -> tuple[State, Results]:
     known = Results().received(fitted)
     known = replace(known, target=run.target, sheet=sheet, certified=certified, guess=None)
     return State(spec), replace(known, said=f"opened the run {run.name}")
+
+
+def check_target(name: str) -> None:
+    """Read a target as a fit would, and leave it at that.
+
+    Raises
+    ------
+    KirisurfError
+        Where it can be no target.
+    """
+    surface = loaded(FitSpec(target=target_name(name)))[1]
+    require_disk(moved(surface, round_origin(surface)))
+
+
+def retargeted(state: State, target: str) -> State:
+    """Return a state for another target; of the options those are kept that do not depend on the one before.
+
+    Raises
+    ------
+    ParameterError
+        Where they do not go together.
+    """
+    before = state.spec
+    kept = {name: getattr(before, name) for name in ("tessellation", "closeness", "prefer")}
+    return state.with_spec(resolved(FitSpec(target=target_name(target), **kept)))
 
 
 def open_any(name: str, **options: Any) -> tuple[State, Results]:

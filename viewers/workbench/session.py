@@ -7,7 +7,7 @@ from dataclasses import replace
 from kirisurf.spec import FitSpec
 from viewers.scenes import Scene
 from viewers.workbench.engine import Engine
-from viewers.workbench.events import Draw
+from viewers.workbench.events import Draw, Event
 from viewers.workbench.history import History
 from viewers.workbench.pipeline import Stage, first_stale
 from viewers.workbench.poses import Poses
@@ -118,6 +118,12 @@ class Session:
         self.results = replace(self.results, running=Stage.HOLES, doing="saving the run")
         self.engine.save(folder, overwrite)
 
+    def cut(self, path: str) -> None:
+        """Write the cut pattern of the fit on show, .svg or .dxf."""
+        spec = self.state.spec
+        self.results = replace(self.results, running=Stage.HOLES, doing="writing the cut file")
+        self.engine.cut(path, spec.hinge_width, spec.kerf)
+
     def draw(self, request: Draw) -> None:
         """Write a picture or an animation."""
         self.results = replace(self.results, running=Stage.HOLES, doing=f"drawing {request.path}")
@@ -127,9 +133,13 @@ class Session:
         """Take in what the engine reports; whether there was anything."""
         heard = False
         for event in self.engine.events(wait):
-            self.results = self.results.received(event)
+            self.take(event)
             heard = True
         return heard
+
+    def take(self, event: Event) -> None:
+        """Take in one report of the engine."""
+        self.results = self.results.received(event)
 
     def _follow(self) -> None:
         if self.state.is_live and self.is_stale:

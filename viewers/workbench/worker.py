@@ -15,8 +15,11 @@ import numpy as np
 
 from kirisurf.arrays import frozen
 from kirisurf.contract import contract
+from kirisurf.cuts import cuts
 from kirisurf.design import Design
+from kirisurf.dxf import dxf_text
 from kirisurf.errors import KirisurfError
+from kirisurf.formats.atomic import write_text
 from kirisurf.ground import Ground
 from kirisurf.judging import certified, measured
 from kirisurf.origin import moved, round_origin
@@ -26,6 +29,7 @@ from kirisurf.refit import Begun, is_direct, refit
 from kirisurf.start import make_start
 from kirisurf.states import Step
 from kirisurf.status import Status
+from kirisurf.svg import svg_text
 from kirisurf.targets import loaded, prepared
 from kirisurf.tessellation import Tessellation
 from kirisurf.topology import require_disk
@@ -33,6 +37,7 @@ from viewers.workbench.at_hand import AtHand
 from viewers.workbench.events import (
     Began,
     Certified,
+    CutFile,
     Ended,
     Event,
     Failed,
@@ -114,6 +119,8 @@ class Worker:
                 self._fit(request)
             elif isinstance(request, SaveRun):
                 self._save(request)
+            elif isinstance(request, CutFile):
+                self._cut(request)
             else:
                 began = time.perf_counter()
                 draw_pictures(request)
@@ -287,6 +294,18 @@ class Worker:
         design = Design(known.spec, replace(result, seconds={"load": 0.0, **result.seconds}), frozen(known.origin))
         run = design.save(Path(request.folder), overwrite=request.overwrite, pictures=request.pictures)
         self._send(Written(str(run.folder), time.perf_counter() - began))
+
+    def _cut(self, request: CutFile) -> None:
+        known, began = self._at_hand, time.perf_counter()
+        if known is None or known.result is None:
+            self._send(Failed(0, "cut file: expected a fit, got none yet"))
+            return
+        lines = cuts(known.result.tessellation, known.result.contracted.points, request.hinge_width, request.kerf)
+        path, units = Path(request.path), known.spec.units
+        as_dxf = path.suffix.lower() == ".dxf"
+        title = f"{known.surface.name}: cut pattern"
+        write_text(path, dxf_text(lines, units) if as_dxf else svg_text(lines, units, title))
+        self._send(Written(request.path, time.perf_counter() - began))
 
 
 def _shape(tessellation: Tessellation, points: Any) -> Shape:

@@ -148,6 +148,19 @@ def test_an_option_changes_the_spec_and_a_wrong_one_is_taken_back(bench):
     assert bench.panel.editor("max_opening").text() == "none"
 
 
+def test_another_target_is_taken_and_a_broken_one_is_not(bench, tmp_path):
+    before = bench.session.state.spec
+    broken = tmp_path / "broken.obj"
+    broken.write_text("v 0 0 0\nf 1 2 3\n")
+    bench.open(str(broken))
+    assert bench.session.state.spec == before and bench.session.engine.asked == []
+    assert "broken.obj" in bench.status.text() and bench.status.objectName() == "problem"
+    bench.open("saddle_roof")
+    assert bench.session.engine.asked[-1][0].target == "saddle_roof"
+    bench.undo()
+    assert bench.session.state.spec == before
+
+
 def test_choosing_a_field_colors_and_undo_restores_the_choice(bench):
     index = bench.side.fields.findData("tile/area")
     bench.side.fields.setCurrentIndex(index)

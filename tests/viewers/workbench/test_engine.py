@@ -16,6 +16,7 @@ from kirisurf.status import Status
 from kirisurf.targets import load
 from viewers.workbench.engine import Engine
 from viewers.workbench.events import (
+    CutFile,
     Draw,
     Ended,
     Failed,
@@ -112,6 +113,18 @@ def test_a_mistake_is_reported_and_the_next_job_works(desk, spec, words):
     assert words in results.problem and results.running is None
     good, _ = desk.fit(FitSpec(target="hypar", cells=(2, 2)))
     assert good.status is Status.CONVERGED and not good.problem
+
+
+def test_a_cut_file_is_that_of_the_fit_on_show(desk, spec, tmp_path):
+    assert isinstance(desk.ask(CutFile(str(tmp_path / "early.svg")))[-1], Failed)
+    desk.fit(spec)
+    for suffix, sign in ((".svg", "<svg"), (".dxf", "$INSUNITS")):
+        path = tmp_path / f"cut{suffix}"
+        assert isinstance(desk.ask(CutFile(str(path)))[-1], Written)
+        assert sign in path.read_text(encoding="utf-8")
+    heard = desk.ask(CutFile(str(tmp_path / "wide.svg"), hinge_width=100.0))
+    assert isinstance(heard[-1], Failed) and "hinge" in heard[-1].message
+    assert not (tmp_path / "wide.svg").exists()
 
 
 def test_a_saved_run_is_that_of_its_spec_and_opens_again(desk, spec, tmp_path):

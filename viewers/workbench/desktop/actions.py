@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kirisurf.formats.source import FORMATS
+from kirisurf.outlines.reading import FORMATS as OUTLINE_FORMATS
 from viewers.workbench.desktop.qt import qt
 from viewers.workbench.events import Draw
 from viewers.workbench.scene import deployment_scenes, turntable_scenes
@@ -36,6 +38,8 @@ def add_actions(bench: Workbench) -> dict[str, Any]:
             action.toggled.connect(act)
         made[name] = action
 
+    add("open", "Open \u2026", "Take another target: a mesh, or a planar outline", lambda: open_target(bench), "Ctrl+O")
+    bar.addSeparator()
     add("fit", "\u25b6 Fit", "Fit the options as they are", bench.fit, "F5")
     add("stop", "\u25a0 Stop", "End the solver at its best point", bench.session.cancel, "Esc")
     add("resume", "Resume", "Go on from the best point of the fit that was stopped", lambda: bench.fit(True), "F6")
@@ -55,6 +59,13 @@ def add_actions(bench: Workbench) -> dict[str, Any]:
     add("link", "Turn together", "Turn both pictures together", bench.link, "L", checked=True)
     add("reset", "First view", "Look from where the window first looked", lambda: bench.canvas.reset_view(), "Home")
     bar.addSeparator()
+    add(
+        "cut",
+        "Cut file \u2026",
+        "Write the flat pattern to cut, as SVG or DXF, to scale",
+        lambda: save_cut_file(bench),
+        "Ctrl+E",
+    )
     add(
         "save",
         "Save run \u2026",
@@ -82,12 +93,35 @@ def enable(bench: Workbench) -> None:
         "resume": results.can_resume and not bench.session.is_stale,
         "undo": bool(history.past),
         "redo": bool(history.future),
+        "open": True,
+        "cut": is_idle and results.is_current and results.job > 0,
         "save": is_idle and results.is_current and results.job > 0,
         "snapshot": is_idle and results.target is not None,
         "deployment": is_idle and has_sheet,
         "turntable": is_idle and has_sheet,
     }.items():
         bench.actions[name].setEnabled(can)
+
+
+def open_target(bench: Workbench) -> None:
+    """Ask for a file and fit it."""
+    dialog = qt().widgets.QFileDialog
+    patterns = " ".join(f"*{suffix}" for suffix in sorted({*FORMATS, *OUTLINE_FORMATS}))
+    kinds = f"Meshes and outlines ({patterns});;All files (*)"
+    name = str(
+        dialog.getOpenFileName(bench.window, "Open a target", "", kinds, options=dialog.Option.DontUseNativeDialog)[0]
+    )
+    if name:
+        bench.open(name)
+
+
+def save_cut_file(bench: Workbench) -> None:
+    """Ask for a file and write the cut pattern."""
+    kinds = "Drawings for laser cutters (*.svg);;Drawings for CAD (*.dxf)"
+    name = _asked(bench, "Save the cut file", f"{_stem(bench)}-cut.svg", kinds)
+    if name:
+        bench.session.cut(name if name.lower().endswith((".svg", ".dxf")) else f"{name}.svg")
+        bench.refresh()
 
 
 def save_run(bench: Workbench) -> None:

@@ -5,19 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from viewers.drawing import Drawn, add_item, add_lights, aim, plain_theme, put_values
-from viewers.fields import Field
-from viewers.framing import fit_frame
+from viewers.drawing import plain_theme
 from viewers.items import Item
 from viewers.scenes import Scene
 from viewers.workbench.desktop.qt import qt
+from viewers.workbench.placing import turn_and_ratio
+from viewers.workbench.views import SIDES, Views
 
-SIDES = (0, 1)
-"""Left: contracted; right: deployed."""
+__all__ = ["SIDES", "Canvas"]
 
-PICKED = ("tiles", "holes")
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader")
 """What OpenGL calls itself where the processor draws."""
 
@@ -40,6 +36,7 @@ class Canvas:
     Attributes
     ----------
     plotter : QtInteractor
+    views : Views
     is_placing : bool
         Whether a drag on the right view turns and sizes the pattern instead of the camera.
     """
@@ -59,15 +56,9 @@ class Canvas:
             multi_samples=4,
         )
         self.is_placing = False
-        self._drawn: dict[tuple[int, str], tuple[Item, Drawn]] = {}
-        self._scenes: dict[int, Scene] = {}
+        self.views = Views(self.plotter)
         self._is_judged = False
         self._pressed: tuple[float, float] | None = None
-        for side in SIDES:
-            self.plotter.subplot(0, side)
-            add_lights(self.plotter)
-            self.plotter.camera.parallel_projection = True
-        self.plotter.link_views()
         self._listener = qt().Listener(self._heard)
         self.plotter.interactor.installEventFilter(self._listener)
 
@@ -78,56 +69,25 @@ class Canvas:
 
     def show(self, scenes: tuple[Scene, Scene]) -> None:
         """Draw two scenes; what stays the same stays, what only moved is moved."""
-        # pyvista would draw after every item, and Qt once more: one frame is drawn, when Qt next paints
-        self.plotter.suppress_rendering = True
-        for side, scene in zip(SIDES, scenes, strict=True):
-            self._scenes[side] = scene
-            self.plotter.subplot(0, side)
-            wanted = {item.name for item in scene.items}
-            for key in [key for key in self._drawn if key[0] == side and key[1] not in wanted]:
-                self._remove(key)
-            for item in scene.items:
-                self._draw(side, item)
-        self.plotter.subplot(0, 1)
-        for side in SIDES:
-            self.plotter.renderers[side].ResetCameraClippingRange()
-        self.plotter.suppress_rendering = False
+        # one frame is drawn, when Qt next paints
+        self.views.show(scenes)
         if not self._is_judged and self.widget.isValid():
             self._judge()
         self.widget.update()
 
     def reset_view(self) -> None:
         """Look at the scenes from where they say, all of them in the picture."""
-        scenes = [scene for scene in self._scenes.values() if len(scene.frame)]
-        if not scenes:
-            return
-        width, height = max(self.widget.width(), 2), max(self.widget.height(), 1)
-        points = np.vstack([scene.frame for scene in scenes])
-        view = scenes[-1].view
-        frame = fit_frame(view, points, 0.5 * width / height, margin=0.06)
-        for side in SIDES:
-            self.plotter.subplot(0, side)
-            aim(self.plotter, view, frame)
-            self.plotter.renderers[side].ResetCameraClippingRange()
+        self.views.reset(self.widget.width(), self.widget.height())
         self.widget.update()
 
     def link(self, together: bool) -> None:
         """Turn the views together, or each by itself."""
-        if together:
-            self.plotter.link_views()
-        elif self.plotter.renderers[0].camera is self.plotter.renderers[1].camera:
-            # each goes on from where both are
-            copies = [self.plotter.renderers[0].camera.copy() for _ in SIDES]
-            self.plotter.unlink_views()
-            for side, copy in zip(SIDES, copies, strict=True):
-                self.plotter.renderers[side].camera = copy
-                self.plotter.renderers[side].ResetCameraClippingRange()
+        self.views.link(together)
         self.widget.update()
 
     def units_per_pixel(self, side: int) -> float:
         """Length of a screen pixel in a view, in units."""
-        scale: float = self.plotter.renderers[side].camera.parallel_scale
-        return 2.0 * scale / max(self.widget.height(), 1)
+        return self.views.units_per_pixel(side, self.widget.height())
 
     def close(self) -> None:
         """Give the OpenGL window back."""
@@ -141,27 +101,6 @@ class Canvas:
         told = self.plotter.render_window.ReportCapabilities().lower()
         if any(name in told for name in SOFTWARE):
             self.plotter.render_window.SetMultiSamples(0)
-
-    def _draw(self, side: int, item: Item) -> None:
-        key = (side, item.name)
-        if key in self._drawn:
-            before, drawn = self._drawn[key]
-            if _only_moved(before, item):
-                if before.points is not item.points:
-                    drawn.data.points = np.array(item.points)
-                if item.field is not None and before.field is not item.field:
-                    put_values(drawn.data, item.field)
-                    drawn.actor.mapper.scalar_range = item.field.limits
-                self._drawn[key] = (item, drawn)
-                return
-            self._remove(key)
-        added = add_item(self.plotter, item)
-        if added is not None:
-            self._drawn[key] = (item, added)
-
-    def _remove(self, key: tuple[int, str]) -> None:
-        self.plotter.subplot(0, key[0])
-        self.plotter.remove_actor(self._drawn.pop(key)[1].actor, render=False, reset_camera=False)
 
     def _heard(self, event: Any) -> bool:
         """Hear presses, moves and releases of the left button; True keeps one from turning the camera."""
@@ -197,50 +136,11 @@ class Canvas:
 
     def _turn(self, first: tuple[float, float], last: tuple[float, float]) -> tuple[float, float]:
         """Angle (degrees, counter-clockwise) and ratio of distances about the middle of the right view."""
-        middle = np.array([0.75 * self.widget.width(), 0.5 * self.widget.height()])
-        a, b = ((np.array(place) - middle) * (1.0, -1.0) for place in (first, last))
-        angle = np.degrees(np.arctan2(b[1], b[0]) - np.arctan2(a[1], a[0]))
-        ratio = float(np.linalg.norm(b) / max(float(np.linalg.norm(a)), 20.0))
-        return float((angle + 180.0) % 360.0 - 180.0), max(ratio, 0.05)
+        return turn_and_ratio(first, last, (0.75 * self.widget.width(), 0.5 * self.widget.height()))
 
     def _pick_at(self, where: tuple[float, float]) -> None:
-        from vtkmodules.vtkRenderingCore import vtkCellPicker
-
-        side = int(where[0] > 0.5 * self.widget.width())
-        picker = vtkCellPicker()
-        picker.SetTolerance(0.0)
-        picker.PickFromListOn()
-        pickable = {id(drawn.actor): name for (s, name), (_, drawn) in self._drawn.items() if s == side}
-        for (s, name), (_, drawn) in self._drawn.items():
-            if s == side and name in PICKED:
-                drawn.actor.SetPickable(True)
-                picker.AddPickList(drawn.actor)
-        width, height = self.plotter.render_window.GetSize()
-        x = where[0] * width / self.widget.width()
-        y = height - 1 - where[1] * height / self.widget.height()
-        hit = picker.Pick(x, y, 0.0, self.plotter.renderers[side])
-        actor = picker.GetActor() if hit else None
-        self._pick(side, pickable.get(id(actor), ""), int(picker.GetCellId()) if actor is not None else -1)
+        self._pick(*self.views.hit(where[0] / self.widget.width(), where[1] / self.widget.height()))
 
     def item(self, side: int, name: str) -> Item | None:
         """Return what is drawn under a name."""
-        found = self._drawn.get((side, name))
-        return None if found is None else found[0]
-
-
-def _only_moved(before: Item, after: Item) -> bool:
-    """Whether one item can be drawn as another one that moved or changed its values."""
-    same = before.kind == after.kind and before.color == after.color and before.layer == after.layer
-    same = same and before.width == after.width and len(before.points) == len(after.points)
-    same = same and (before.normals is after.normals) and _same_map(before.field, after.field)
-    if not same or before.loops is after.loops:
-        return same
-    return np.array_equal(before.loops.indices, after.loops.indices) and np.array_equal(
-        before.loops.offsets, after.loops.offsets
-    )
-
-
-def _same_map(before: Field | None, after: Field | None) -> bool:
-    if before is None or after is None:
-        return before is after
-    return before.where == after.where and before.signed == after.signed
+        return self.views.item(side, name)

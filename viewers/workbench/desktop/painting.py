@@ -12,6 +12,7 @@ from viewers.drawing import colormap
 from viewers.fields import Field, name_unit
 from viewers.framing import round_length
 from viewers.words import number
+from viewers.workbench.axis import ticks
 from viewers.workbench.desktop.qt import qt
 
 
@@ -109,23 +110,6 @@ def paint_curves(painter: Any, width: int, height: int, steps: Sequence[Mapping[
         x, y = left + (k % 2) * 0.5 * plot_width, height - bottom + 36 + 18 * (k // 2)
         painter.drawLine(core.QPointF(x, y - 4), core.QPointF(x + 16, y - 4))
         _text(painter, x + 21, y, name.replace("_", " "), theme.INK, "left", 12)
-
-
-def ticks(low: float | int, high: float | int) -> list[float]:
-    """Return about five round numbers between two limits, zero among them where it lies between.
-
-    Examples
-    --------
-    >>> ticks(-1.3, 1.3)
-    [-1.0, -0.5, 0.0, 0.5, 1.0]
-    """
-    if not high > low:
-        return [low]
-    step = round_length((high - low) / 4.0)
-    if (high - low) / step > 7:
-        step *= 2
-    first = int(np.ceil(low / step - 1e-9))
-    return [round(k * step, 12) + 0.0 for k in range(first, int(np.floor(high / step + 1e-9)) + 1)]
 
 
 def _steps_in_words(count: int) -> str:

@@ -79,13 +79,28 @@ def _classes(core: Any, gui: Any, widgets: Any) -> dict[str, Any]:
             return self._heard(event)
 
     class Window(widgets.QMainWindow):
-        """A main window that says when it is closed."""
+        """A main window that says when it is closed, and which file was dropped on it."""
 
         on_close: Callable[[], None] | None = None
+        on_drop: Callable[[str], None] | None = None
+
+        def __init__(self) -> None:
+            super().__init__()
+            self.setAcceptDrops(True)
 
         def closeEvent(self, event: Any) -> None:
             if self.on_close is not None:
                 self.on_close()
             super().closeEvent(event)
+
+        def dragEnterEvent(self, event: Any) -> None:
+            if any(url.isLocalFile() for url in event.mimeData().urls()):
+                event.acceptProposedAction()
+
+        def dropEvent(self, event: Any) -> None:
+            files = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+            if files and self.on_drop is not None:
+                event.acceptProposedAction()
+                self.on_drop(files[0])
 
     return {"Painted": Painted, "Listener": Listener, "Window": Window}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 from typing import Any
 
 from kirisurf.errors import KirisurfError
 from kirisurf.spec import FitSpec
-from viewers.workbench import options
 from viewers.workbench.desktop import actions
 from viewers.workbench.desktop.option_panel import OptionPanel
 from viewers.workbench.desktop.painting import paint_progress
@@ -16,7 +16,9 @@ from viewers.workbench.desktop.qt import qt
 from viewers.workbench.desktop.side_panel import SidePanel
 from viewers.workbench.desktop.stage_strip import StageStrip
 from viewers.workbench.desktop.style import SHEET
+from viewers.workbench.opening import check_target, retargeted
 from viewers.workbench.pipeline import Stage
+from viewers.workbench.placing import Placing
 from viewers.workbench.progress import progress_words, solved_share
 from viewers.workbench.scene import cell_numbers, coloring
 from viewers.workbench.session import Session
@@ -56,6 +58,7 @@ class Workbench:
         self.window.resize(*SIZE)
         self.window.setStyleSheet(SHEET)
         self.window.on_close = self.close
+        self.window.on_drop = self.open
         self.actions = actions.add_actions(self)
         self.strip = StageStrip(self.toggle, self.run_again)
         self.panel = OptionPanel(self.change, self.replace_spec)
@@ -78,7 +81,7 @@ class Workbench:
         self.window.setCentralWidget(whole)
         self._add_status_bar()
         self._framed: Any = None
-        self._wants_placing: tuple[FitSpec, bool] | None = None
+        self._placing = Placing(session)
         self._is_closed = False
         self._is_behind, self._rests_until = False, 0.0
         self._share: float | None = None
@@ -102,6 +105,17 @@ class Workbench:
     def replace_spec(self, spec: FitSpec) -> None:
         """Take another set of options."""
         self._do(self.session.state.with_spec(spec))
+
+    def open(self, name: str) -> None:
+        """Take another target; one that does not do is said, and what was there stays."""
+        try:
+            check_target(name)
+            state = retargeted(self.session.state, name)
+        except KirisurfError as problem:
+            self.say(str(problem), is_problem=True)
+            return
+        self.window.setWindowTitle(f"kirisurf: {Path(name).name}")
+        self._do(state)
 
     def toggle(self, stage: Stage) -> None:
         """Show or hide a stage."""
@@ -151,10 +165,7 @@ class Workbench:
         cursor = qt().core.Qt.CursorShape
         self.canvas.widget.setCursor(cursor.CrossCursor if wanted else cursor.ArrowCursor)
         if wanted:
-            can_turn = self.session.state.spec.cells is None
-            what = "round the middle turns the pattern, away from it makes larger tiles"
-            only = "away from the middle makes larger tiles (a layout trimmed to the outline can also be turned)"
-            self.say(f"Drag on the right picture: {what if can_turn else only}.")
+            self.say(self._placing.hint)
 
     def pick(self, side: int, name: str, face: int) -> None:
         """Pick the tile or hole of a face."""
@@ -173,16 +184,13 @@ class Workbench:
 
     def drag(self, degrees: float, ratio: float, ended: bool) -> None:
         """Turn and size the pattern by a drag; it is laid anew while the hand moves and fitted when it lets go."""
-        base = self.session.state.spec
         try:
-            wanted = options.resized(options.turned(base, degrees), ratio)
+            words = self._placing.drag(degrees, ratio, ended)
         except KirisurfError as problem:
             self.say(str(problem), is_problem=True)
             return
-        size = f"{wanted.cells[0]} \u00d7 {wanted.cells[1]} unit cells" if wanted.cells else f"{wanted.tiles} tiles"
-        self.say(size if wanted.cells else f"{size}, orientation {wanted.orientation}\u00b0")
-        self._wants_placing = (wanted, ended)
-        self._place_on()
+        self.refresh()
+        self.say(words)
 
     # what is shown
 
@@ -214,7 +222,7 @@ class Workbench:
             began = time.monotonic()
             self.refresh()
             self._rests_until = time.monotonic() + 2.0 * (time.monotonic() - began)
-            self._place_on()
+            self._placing.follow()
         self.pictures.measure()
 
     def say(self, words: str, is_problem: bool = False) -> None:
@@ -237,21 +245,6 @@ class Workbench:
         if state != self.session.state:
             self.session.do(state)
         self.refresh()
-
-    def _place_on(self) -> None:
-        """Follow a drag: one layout at a time, the latest; the fit when the hand has let go."""
-        if self._wants_placing is None:
-            return
-        spec, ended = self._wants_placing
-        if ended:
-            self._wants_placing = None
-            self._do(self.session.state.with_spec(spec))
-            if not self.session.state.is_live:
-                self.session.preview(spec)
-        elif not self.session.is_previewing:
-            self._wants_placing = None
-            self.session.preview(spec)
-            self.refresh()
 
     def _aim_once(self) -> None:
         """Frame the first pictures of a target and of its first sheet; later ones keep the user's view."""
