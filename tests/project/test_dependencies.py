@@ -15,12 +15,16 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PINS = [line for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+INSTALLED = ("desktop", "repair", "test", "web")
+"""Extras that the set-up installs."""
 PACKAGES = {"kirisurf", "analysis", "viewers", "sample_surfaces"}
 
 
 def _declared() -> list[Requirement]:
     extras = PROJECT["optional-dependencies"]
-    return [Requirement(line) for line in (*PROJECT["dependencies"], *extras["repair"], *extras["test"])]
+    return [
+        Requirement(line) for line in (*PROJECT["dependencies"], *(line for name in INSTALLED for line in extras[name]))
+    ]
 
 
 def _needed(requirements: list[Requirement]) -> set[str]:
