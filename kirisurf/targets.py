@@ -101,7 +101,7 @@ def is_outline_name(target: str) -> bool:
 
 
 def read_named_outline(name: str, units: str | None = None) -> Outline:
-    """Return the outline of a name, or of a file.
+    """Return the outline of a name, or of a file, as the contracted sheet is asked to have it.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def read_named_outline(name: str, units: str | None = None) -> Outline:
     near = difflib.get_close_matches(name, outlines.names(), n=1)
     hint = f" (did you mean {near[0]!r}?)" if near else ""
     raise ParameterError(
-        f"outline: expected free, rectangle, rectangle:RATIO, a file or one of {', '.join(outlines.names())}, "
+        f"--contracted: expected free, rectangle, rectangle:RATIO, a file or one of {', '.join(outlines.names())}, "
         f"got {name!r}{hint}"
     )
 
@@ -127,6 +127,9 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
     sample's own units are taken where none are given, and its own number of tiles where not `sized`; a named
     outline's is `OUTLINE_CELLS`.
     """
+    if not (spec.contracted == "free" or spec.contracted.startswith(RECTANGLE) or _is_file(spec.contracted)):
+        # a name that means nothing is said before anything is read
+        read_named_outline(spec.contracted)
     spec = _with_absolute_files(spec, folder or Path.cwd())
     if is_sample(spec.target):
         import sample_surfaces
@@ -206,7 +209,12 @@ def load_with_notes(
         outline, notes = read_outline(target, units)
         return flat_target(outline), notes
     from kirisurf.formats import read_surface_with_notes
+    from kirisurf.formats.source import FORMATS as MESH_FORMATS
 
+    suffix = Path(target).suffix.lower()
+    if suffix and suffix not in MESH_FORMATS and os.path.isfile(target):
+        wanted = f"a mesh ({', '.join(sorted(MESH_FORMATS))}) or an outline ({', '.join(sorted(FORMATS))})"
+        raise UnreadableError(f"{target}: expected {wanted}, got a file called {suffix}")
     return read_surface_with_notes(target)
 
 

@@ -45,6 +45,14 @@ def test_unknown_names_are_refused_with_the_nearest_known() -> None:
         fit("circle", cells=(1, 1), repair=True)
 
 
+def test_what_no_reader_knows_is_said_with_all_that_is(tmp_path: Path) -> None:
+    (tmp_path / "hood.step").write_text("ISO-10303-21;")
+    with pytest.raises(UnreadableError, match=r"\.obj.*\.stl.*\.csv.*\.dxf.*\.svg.*got a file called \.step"):
+        load(tmp_path / "hood.step")
+    with pytest.raises(ParameterError, match=r"--contracted: expected free, .*circle.*got 'nonsense'"):
+        resolved(FitSpec(target="hypar", cells=(2, 2), contracted="nonsense"))
+
+
 def test_a_file_beside_a_name_needs_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "circle").write_text("not an outline")
     monkeypatch.chdir(tmp_path)
