@@ -31,6 +31,8 @@ SMALLEST_EDGE = 0.05
 OUTLINE_PARTS = 600
 """Segments along the diagonal by which an outline is drawn."""
 
+_ALIKE = 1e-9  # radians: tiles that all turn alike are of one kind
+
 
 @dataclass(frozen=True)
 class Numbers:
@@ -110,7 +112,7 @@ class Shape:
     outline : (m, 2) or None
         Of a planar target.
     tones : (t,)
-        1 for the tiles that turn clockwise from contracted to deployed, 0 for the others.
+        1 for the tiles that turn clockwise from contracted to deployed, relative to the others; 0 for those.
     """
 
     tiles: Loops
@@ -126,8 +128,9 @@ class Shape:
         curve = outline.polyline(outline.diagonal / OUTLINE_PARTS) if isinstance(outline, Outline) else None
         tiles = design.tessellation.tiles
         regular = design.tessellation.contracted, design.tessellation.deployed
-        turns = [_turn(regular[0][tile], regular[1][tile]) for tile in tiles]
-        tones = (np.array(turns) < np.median(turns)).astype(np.int64)
+        turns = np.array([_turn(regular[0][tile], regular[1][tile]) for tile in tiles])
+        # not the median: of a trimmed sheet more tiles may turn one way than the other
+        tones = (turns < 0.5 * (turns.min() + turns.max()) - _ALIKE).astype(np.int64)
         return cls(tiles, design.deployed_points, design.contracted_points, curve, tones)
 
 

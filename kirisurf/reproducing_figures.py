@@ -1,4 +1,4 @@
-"""The designs of the paper's planar and curved figures, and the law of Fig. 2c."""
+"""The designs of the paper's figures, and the law of Fig. 2c."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ def _wanted(target: str, cells: int, contracted: str, prefer: str = "smoothest")
 
 FIGURES: Mapping[str, tuple[Wanted, ...]] = MappingProxyType(
     {
+        "fig1": (_wanted("circle", 4, SQUARE),),
         "fig2a": (_wanted("circle", 6, SQUARE), _wanted("egg", 6, SQUARE, "balanced")),
         "fig2b": (
             _wanted("rainbow", 6, SQUARE, "balanced"),
@@ -28,10 +29,16 @@ FIGURES: Mapping[str, tuple[Wanted, ...]] = MappingProxyType(
             _wanted("anvil", 6, SQUARE),
             _wanted("rect", 6, "rectangle"),
         ),
-        "fig4": (_wanted("hypar", 6, "rectangle"),),
+        # negative, positive, mixed and sharply changing curvature; the last has no published rectangle
+        "fig4": (
+            _wanted("hypar", 6, "rectangle"),
+            _wanted("paraboloid", 4, SQUARE, "balanced"),
+            _wanted("peaks", 5, SQUARE, "balanced"),
+            _wanted("mexicanhat2", 4, "free", "balanced"),
+        ),
     }
 )
-"""What every figure shows, but for Fig. 2c (:func:`circling`)."""
+"""What every figure shows, but for Fig. 2c (:func:`circling`) and for what is regular in Fig. 1."""
 
 
 def circling(largest: int = LARGEST) -> tuple[Wanted, ...]:

@@ -12,7 +12,8 @@ from kirisurf.published import LARGEST
 from kirisurf.spec import CLOSENESS
 
 PUBLISHED = "published"
-FIGURES = ("fig2a", "fig2b", "fig2c", "fig4")
+FIGURES = ("fig1", "fig2", "fig2a", "fig2b", "fig2c", "fig4")
+LARGEST_OF = ("fig2c", "fig2")
 KINDS = ("2d", "3d")
 
 _TEXT = f"""\
@@ -21,10 +22,14 @@ Makes again what Choi, Dudte and Mahadevan published (Nature Materials 18, 999-1
   {PUBLISHED}  every planar and 3-D configuration: tessellation, target, cells, contracted shape. DIR receives
              published.csv, published.json, published.html (the table with pictures), and both states of
              every design as OBJ files in DIR/designs
+  fig1       the regular pattern closed and open, what a general sheet has to meet, and a way from the one to the
+             other (the quad pattern is the paper's; the rest says the same with a design of ours)
+  fig2       fig2a, fig2b and fig2c, below one another in one picture
   fig2a      squares that open into a disc and into an egg
   fig2b      outlines of mixed and of zero curvature, from rectangles
   fig2c      circling the square: how the boundary layer shrinks with the number of tiles
-  fig4       a rectangle that opens into the hyperbolic paraboloid, with the curvature of its holes
+  fig4       sheets that open into surfaces, with the curvature of their holes: a rectangle into the hyperbolic
+             paraboloid, squares into the paraboloid and into peaks, and a sheet with a free rim into a hat
 
 With --reference the published files are audited in the same way, and stand beside ours in the table.
 A design counts as reproduced where it is certified with every row at most 1e-9 and its smallest tile edge is
@@ -37,7 +42,7 @@ _EXAMPLES = """\
   kirisurf reproduce published -o published --jobs 2
   kirisurf reproduce published -o curved --only 3d --reference path/to/published/files
   kirisurf reproduce published -o some --match quad_circle
-  kirisurf reproduce fig2c -o fig2c --largest 8"""
+  kirisurf reproduce fig2 -o fig2 --largest 8        without --largest, 1600 tiles in the end: many minutes"""
 
 
 def add(commands: Any) -> None:
@@ -56,7 +61,10 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--jobs", metavar="N", type=whole, default=1, help="designs at a time (default: 1)")
     parser.add_argument(
-        "--largest", metavar="N", type=whole, help=f"fig2c: cells a side of the largest pattern (default: {LARGEST})"
+        "--largest",
+        metavar="N",
+        type=whole,
+        help=f"fig2, fig2c: cells a side of the largest pattern (default: {LARGEST})",
     )
     parser.set_defaults(run=run)
 
@@ -68,11 +76,11 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
         raise ParameterError(f"WHAT: expected one of {', '.join((PUBLISHED, *FIGURES))}, got {what!r}")
     if arguments.jobs < 1:
         raise ParameterError(f"--jobs: expected at least 1, got {arguments.jobs}")
-    owners = dict.fromkeys(("reference", "only", "match", "closeness"), PUBLISHED) | {"largest": "fig2c"}
+    owners = dict.fromkeys(("reference", "only", "match", "closeness"), (PUBLISHED,)) | {"largest": LARGEST_OF}
     for name, owner in owners.items():
         given = getattr(arguments, name)
-        if given is not None and what != owner:
-            raise ParameterError(f"--{name}: expected with {owner} only, got {given!r} with {what}")
+        if given is not None and what not in owner:
+            raise ParameterError(f"--{name}: expected with {' or '.join(owner)} only, got {given!r} with {what}")
     if what == PUBLISHED:
         if arguments.only not in (None, *KINDS):
             raise ParameterError(f"--only: expected one of {', '.join(KINDS)}, got {arguments.only!r}")

@@ -1,9 +1,10 @@
-"""`kirisurf reproduce fig2a` and the like: the designs of a figure, their numbers, and the picture."""
+"""`kirisurf reproduce fig1` and the like: the designs of a figure, their numbers, and the picture."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,25 @@ _TITLES = {
     "fig2a": "Squares that open into a disc and into an egg",
     "fig2b": "Rectangles that open into outlines of mixed and of zero curvature",
 }
+PARTS: Mapping[str, tuple[str, ...]] = {"fig2": ("fig2a", "fig2b", "fig2c")}
+"""Figures that are made of others, one below the other."""
+
 _LEAST = 2
+_CELLS = 3
+_SHOWN = (0.3, 0.7)  # place in the closed sheet of the point that Fig. 1 shows: away from axes of symmetry
+
+
+@dataclass(frozen=True)
+class _Made:
+    """What a figure is made of: its designs, its pictures in order, and numbers to print with --json.
+
+    `undrawn` says why a picture is missing; empty where none is.
+    """
+
+    results: Sequence[Reproduced]
+    pictures: Sequence[Path]
+    beside: Mapping[str, Any] = field(default_factory=dict)
+    undrawn: str = ""
 
 
 def reproduce_figure(arguments: argparse.Namespace, output: Output) -> Outcome:
@@ -40,10 +59,29 @@ def reproduce_figure(arguments: argparse.Namespace, output: Output) -> Outcome:
     """
     what: str = arguments.what
     folder = opened_folder(arguments.output, arguments.overwrite)
-    if what == "fig4":
-        return _curved(folder, output)
+    parts = PARTS.get(what, (what,))
+    made = [_made(part, folder, arguments, output) for part in parts]
+    results = [result for part in made for result in part.results]
+    pictures = [picture for part in made for picture in part.pictures]
+    product = pictures[0] if pictures else folder / f"{parts[0]}.csv"
+    if len(pictures) > 1:
+        from kirisurf.formats.atomic import write_bytes
+        from viewers.figures_stacked import stacked
+
+        product = folder / f"{what}.png"
+        write_bytes(product, stacked([picture.read_bytes() for picture in pictures]))
+    undrawn = next((part.undrawn for part in made if part.undrawn), "")
+    beside = {name: value for part in made for name, value in part.beside.items()}
+    return verdict(results, product, output, undrawn, beside)
+
+
+def _made(what: str, folder: Path, arguments: argparse.Namespace, output: Output) -> _Made:
+    if what == "fig1":
+        return _first(folder, output)
     if what == "fig2c":
         return _accuracy(folder, arguments.largest or LARGEST, arguments.jobs, output)
+    if what == "fig4":
+        return _curved(folder, output)
     from kirisurf.formats.atomic import write_bytes
     from viewers.figures import planar_figure
 
@@ -53,17 +91,42 @@ def reproduce_figure(arguments: argparse.Namespace, output: Output) -> Outcome:
     panels = [p for result in results if (p := panel_of(result, _title(result), _note(result))) is not None]
     if panels:
         write_bytes(picture, planar_figure(panels, 2, _TITLES[what]))
-    return verdict(results, picture, output, "", {})
+    return _Made(results, [picture] if panels else [])
 
 
-def _accuracy(folder: Path, largest: int, jobs: int, output: Output) -> Outcome:
+def _first(folder: Path, output: Output) -> _Made:
+    """Fig. 1: the regular pattern, what a general sheet has to meet, and the way to one."""
+    from kirisurf.formats.atomic import write_bytes
+    from kirisurf.reproducing_first import meeting_corner, opening_squares
+    from viewers.figures_first import first_figure
+
+    (wanted,) = FIGURES["fig1"]
+    result, design = reproduced(wanted)
+    output.message(sentence(result))
+    _write(folder, "fig1", [result], {})
+    shape = result.shape
+    if design is None or shape is None or shape.outline is None:
+        return _Made([result], [])
+    rows, picture = design.certificate.rows, folder / "fig1.png"
+    stages = (
+        ("the regular pattern, where the solve begins", design.result.initial[:, :2]),
+        ("the sheet, its outer tips on the outline", design.deployed_points[:, :2]),
+        ("the same sheet, closed", design.contracted_points),
+    )
+    corner, worst = meeting_corner(design, _SHOWN), (float(rows["length"] or 0.0), float(rows["angle"] or 0.0))
+    figure = first_figure(opening_squares(_CELLS), corner, shape.tiles, shape.tones, stages, shape.outline, worst)
+    write_bytes(picture, figure)
+    return _Made([result], [picture])
+
+
+def _accuracy(folder: Path, largest: int, jobs: int, output: Output) -> _Made:
     """Fig. 2c: circling the square."""
     from kirisurf.formats.atomic import write_bytes
     from viewers.figures import planar_figure
     from viewers.figures_accuracy import accuracy_figure
 
     results = run_all(circling(largest), jobs, output)
-    law, beside, picture = Law.of(results), {}, folder / "fig2c.png"
+    law, beside, pictures = Law.of(results), {}, []
     if len(law.tiles) >= _LEAST:
         slopes = law.area_exponent, law.base_exponent, law.height_exponent
         beside = dict(zip(("area_exponent", "base_exponent", "height_exponent"), slopes, strict=True))
@@ -71,6 +134,7 @@ def _accuracy(folder: Path, largest: int, jobs: int, output: Output) -> Outcome:
             write_bytes(
                 folder / f"fig2c.{kind}", accuracy_figure(law.tiles, law.area, law.base, law.height, slopes, kind)
             )
+        pictures.append(folder / "fig2c.png")
         output.message(
             f"boundary layer ~ tiles^{slopes[0]:.3f} (paper: -1/2); "
             f"base of a gap ~ side^{slopes[1]:.3f}, height ~ side^{slopes[2]:.3f} (paper: -1)"
@@ -79,11 +143,11 @@ def _accuracy(folder: Path, largest: int, jobs: int, output: Output) -> Outcome:
     panels = [p for result in results if (p := panel_of(result, _title(result), _note(result))) is not None]
     if panels:
         write_bytes(folder / "fig2c_sheets.png", planar_figure(panels, 3, "Squares that open into the circle"))
-    return verdict(results, picture, output, "", beside)
+    return _Made(results, pictures, beside)
 
 
-def _curved(folder: Path, output: Output) -> Outcome:
-    """Fig. 4: target, contracted and deployed sheet, and the curvature of the holes."""
+def _curved(folder: Path, output: Output) -> _Made:
+    """Fig. 4: for every target a row: target, contracted and deployed sheet, and the curvature of the holes."""
     results, pictures, undrawn = [], [], ""
     for wanted in FIGURES["fig4"]:
         result, design = reproduced(wanted)
@@ -91,10 +155,11 @@ def _curved(folder: Path, output: Output) -> Outcome:
         results.append(result)
         if design is not None:
             picture = folder / f"fig4_{wanted.spec.target}.png"
-            undrawn = _draw(design, picture) or undrawn
-            pictures.append(picture)
+            reason = _draw(design, picture)
+            undrawn = reason or undrawn
+            pictures += [] if reason else [picture]
     _write(folder, "fig4", results, {})
-    return verdict(results, pictures[0] if pictures else folder / "fig4.csv", output, undrawn, {})
+    return _Made(results, pictures, {}, undrawn)
 
 
 def _draw(design: Design, picture: Path) -> str:
@@ -116,7 +181,9 @@ def _draw(design: Design, picture: Path) -> str:
         fields,
         design.spec.units,
     )
-    render_overview(standard_scenes(drawn), picture, columns=3)
+    scenes = standard_scenes(drawn)
+    scenes["target"] = replace(scenes["target"], title=f"Target: {design.surface.name}")
+    render_overview(scenes, picture, len(scenes), (520, 460))
     return ""
 
 

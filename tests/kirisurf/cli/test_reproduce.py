@@ -58,13 +58,13 @@ def test_a_published_configuration_is_made_certified_and_tabled(
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["fig9"], 2, "WHAT: expected one of published, fig2a, fig2b, fig2c, fig4, got 'fig9'"),
+        (["fig9"], 2, "WHAT: expected one of published, fig1, fig2, fig2a, fig2b, fig2c, fig4, got 'fig9'"),
         (["published", "--only", "4d"], 2, "--only: expected one of 2d, 3d, got '4d'"),
         (["published", "--match", "moon"], 2, "--match: expected a part of a name such as hexagon_anvil"),
         (["published", "--closeness", "near"], 2, "--closeness: expected one of best, exact, got 'near'"),
         (["published", "--jobs", "0"], 2, "--jobs: expected at least 1, got 0"),
         (["published", "--jobs", "all"], 2, "--jobs: expected a whole number, got 'all'"),
-        (["published", "--largest", "4"], 2, "--largest: expected with fig2c only, got 4 with published"),
+        (["published", "--largest", "4"], 2, "--largest: expected with fig2c or fig2 only, got 4 with published"),
         (["fig2a", "--only", "2d"], 2, "--only: expected with published only"),
         (["fig2c", "--largest", "2"], 2, "--largest: expected at least 3, got 2"),
         (["published", "--reference", "nowhere"], 3, "--reference: expected a folder with 2d, 3d and targets"),
@@ -82,7 +82,7 @@ def test_a_mistake_is_refused_before_anything_is_written(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("what", ["published", "fig2a", "fig2c", "fig4"])
+@pytest.mark.parametrize("what", ["published", "fig1", "fig2", "fig2a", "fig2c", "fig4"])
 def test_a_folder_that_cannot_be_written_is_told_before_all_work(what: str, tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "file").write_text("mine")
     assert cli.main(["reproduce", what, "-o", str(tmp_path / "file")]) == 7
@@ -148,12 +148,52 @@ def test_planar_figures_show_their_designs(tmp_path: Path, monkeypatch: pytest.M
     assert (tmp_path / "made" / "fig2a.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_the_first_figure_is_one_picture_of_a_certified_sheet(tmp_path: Path, capsys: Captured) -> None:
+    folder = tmp_path / "made"
+    assert cli.main(["reproduce", "fig1", "-o", str(folder)]) == 0
+    assert capsys.readouterr().out.strip() == str(folder / "fig1.png")
+    (row,) = csv.DictReader((folder / "fig1.csv").read_text().splitlines())
+    assert float(row["rigid"]) <= 1e-9 and float(row["contracted_boundary"]) <= 1e-9
+    assert (folder / "fig1.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.slow
+def test_the_second_figure_is_its_parts_below_one_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+) -> None:
+    from PIL import Image
+
+    from kirisurf.reproducing_figures import FIGURES
+
+    small = {k: tuple(Wanted(w.name, w.spec.changed(cells=(2, 2))) for w in FIGURES[k][:1]) for k in ("fig2a", "fig2b")}
+    monkeypatch.setattr("kirisurf.cli.reproduce_figures.FIGURES", small)
+    folder = tmp_path / "made"
+    assert cli.main(["reproduce", "fig2", "-o", str(folder), "--largest", "3"]) == 0
+    out, err = capsys.readouterr()
+    assert out.strip() == str(folder / "fig2.png") and "4 of 4 designs reproduced" in err
+    heights = []
+    for name in ("fig2a", "fig2b", "fig2c", "fig2"):
+        assert (folder / f"{name}.csv").is_file() is (name != "fig2")
+        with Image.open(folder / f"{name}.png") as picture:
+            heights.append(picture.height / picture.width)
+    assert sum(heights[:3]) < heights[3] < sum(heights[:3]) + 0.1
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("opengl")
-def test_a_rectangle_opens_into_the_hyperbolic_paraboloid(tmp_path: Path) -> None:
-    """Fig. 4: the contracted outline is a rectangle to 1e-9, and the sheet lies on the target."""
-    assert cli.main(["reproduce", "fig4", "-o", str(tmp_path / "made")]) == 0
-    (row,) = csv.DictReader((tmp_path / "made" / "fig4.csv").read_text().splitlines())
-    assert float(row["contracted_boundary"]) <= 1e-9 and float(row["rigid"]) <= 1e-9
-    assert float(row["distance_rms"]) < 0.1
-    assert (tmp_path / "made" / "fig4_hypar.png").stat().st_size > 20000
+def test_flat_sheets_open_into_surfaces_of_every_curvature(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+) -> None:
+    """Fig. 4: the contracted outline is a rectangle to 1e-9 where it is asked for, and the sheet lies on the target."""
+    from kirisurf.reproducing_figures import FIGURES
+
+    chosen = [Wanted(w.name, w.spec.changed(cells=(3, 3))) for w in FIGURES["fig4"] if w.spec.target != "mexicanhat2"]
+    assert [w.spec.target for w in chosen] == ["hypar", "paraboloid", "peaks"]
+    monkeypatch.setattr("kirisurf.cli.reproduce_figures.FIGURES", {"fig4": tuple(chosen)})
+    folder = tmp_path / "made"
+    assert cli.main(["reproduce", "fig4", "-o", str(folder)]) == 0
+    assert capsys.readouterr().out.strip() == str(folder / "fig4.png")
+    for row in csv.DictReader((folder / "fig4.csv").read_text().splitlines()):
+        assert float(row["contracted_boundary"]) <= 1e-9 and float(row["rigid"]) <= 1e-9
+        assert float(row["distance_rms"]) < 0.1
+    assert all((folder / f"fig4_{wanted.spec.target}.png").stat().st_size > 20000 for wanted in chosen)
