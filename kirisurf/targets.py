@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 OUTLINE_CELLS = (4, 4)
 """Unit cells of a pattern in a named outline, where no number is given: the size of most of the paper's."""
 
+WINDING = ("letter-s",)
+"""Named outlines that no rectangular pattern is bent into: theirs is trimmed."""
+
 
 def load(target: Any, resolution: int | None = None) -> Surface:
     """Return a target surface.
@@ -125,7 +128,7 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
 
     A file's path becomes absolute (relative paths start at `folder`, by default the current one). A
     sample's own units are taken where none are given, and its own number of tiles where not `sized`; a named
-    outline's is `OUTLINE_CELLS`.
+    outline's is `OUTLINE_CELLS`, where it is not `WINDING`.
     """
     if not (spec.contracted == "free" or spec.contracted.startswith(RECTANGLE) or _is_file(spec.contracted)):
         # a name that means nothing is said before anything is read
@@ -142,7 +145,7 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
             values["units"] = sample.units
         return spec.changed(**values)
     if is_outline_name(spec.target):
-        return spec if sized else spec.changed(cells=OUTLINE_CELLS)
+        return spec if sized or spec.target in WINDING else spec.changed(cells=OUTLINE_CELLS)
     path = os.path.abspath(os.path.join(folder or Path.cwd(), spec.target))
     # A bare name that is no file may be a sample's name with a typo: it is kept for the message.
     return spec if not is_file_name(spec.target) and not os.path.exists(path) else spec.changed(target=path)

@@ -33,6 +33,7 @@ def test_names_of_outlines_are_targets() -> None:
         assert surface.area == pytest.approx(surface.outline.area, rel=1e-2)
         assert (surface.vertices[:, 2] == 0).all()
     assert resolved(FitSpec(target="circle")).cells == OUTLINE_CELLS
+    assert resolved(FitSpec(target="letter-s")).cells is None
     assert resolved(FitSpec(target="circle", tiles=70), sized=True).tiles == 70
 
 
