@@ -101,6 +101,8 @@ class HoleCurvature:
         Averages over the holes, weighted by area; NaN where the hole has no area.
     areas : (g,), squared units
         Of the patches within the holes.
+    integrated_gaussian, integrated_absolute_gaussian : (g,), radians
+        K and |K| integrated over the holes.
     """
 
     centers: Float[np.ndarray, "g 3"]
@@ -111,6 +113,8 @@ class HoleCurvature:
     mean_averaged: Float[np.ndarray, " g"]
     gaussian_averaged: Float[np.ndarray, " g"]
     areas: Float[np.ndarray, " g"]
+    integrated_gaussian: Float[np.ndarray, " g"]
+    integrated_absolute_gaussian: Float[np.ndarray, " g"]
 
 
 def hole_curvature(holes: HolePatches) -> HoleCurvature:
@@ -122,7 +126,7 @@ def hole_curvature(holes: HolePatches) -> HoleCurvature:
     patches, (u, v) = holes.patches, holes.centers.T[:, :, None]
     middle = fundamental_forms(patches, u, v)
     g = len(patches)
-    total = np.zeros((3, g))
+    total = np.zeros((4, g))
     for which, indices in holes.corners.by_size().values():
         corner = holes.parameters[indices]
         following = np.roll(corner, -1, axis=1)
@@ -134,9 +138,9 @@ def hole_curvature(holes: HolePatches) -> HoleCurvature:
         at, weight = at.reshape(len(which), -1, 2), weight.reshape(len(which), -1)
         forms = fundamental_forms(BezierPatch(patches.nets[which]), at[..., 0], at[..., 1])
         element = forms.area * weight
-        for row, value in enumerate((1.0, forms.mean, forms.gaussian)):
+        for row, value in enumerate((1.0, forms.mean, forms.gaussian, np.abs(forms.gaussian))):
             total[row, which] = (value * element).sum(axis=1)
-    area, mean, gaussian = total
+    area, mean, gaussian, magnitude = total
     return HoleCurvature(
         centers=patches.evaluate(u, v)[:, 0],
         normals=middle.normals[:, 0],
@@ -146,6 +150,8 @@ def hole_curvature(holes: HolePatches) -> HoleCurvature:
         mean_averaged=_quotient(mean, area),
         gaussian_averaged=_quotient(gaussian, area),
         areas=area,
+        integrated_gaussian=gaussian,
+        integrated_absolute_gaussian=magnitude,
     )
 
 

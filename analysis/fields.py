@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from analysis import accuracy, polygons, rigidity, tile_shapes
-from analysis.curvature import HoleCurvature, target_curvature
 from analysis.openness import tile_magnification
+from analysis.residence import Residence
 from kirisurf.closest import ClosestPoints
 from kirisurf.tessellation import Tessellation
 
@@ -59,6 +59,7 @@ def tile_fields(
     flat: Float[np.ndarray, "n d"],
     hole_areas: Float[np.ndarray, " g"],
     length: float,
+    found: Residence,
 ) -> Fields:
     """Return the fields of the tiles; parameters as :func:`vertex_fields`, with deployed points near the origin."""
     tiles = tessellation.tiles
@@ -74,43 +75,8 @@ def tile_fields(
         "corner_angle_max": largest,
         "tile_angle_deviation": tile_shapes.angle_deviation(local, tessellation),
         "area_magnification": tile_magnification(local, flat, tessellation, hole_areas),
-    }
-
-
-def hole_fields(
-    tessellation: Tessellation,
-    local: Float[np.ndarray, "n 3"],
-    curvature: HoleCurvature,
-    centers: Float[np.ndarray, "g 3"],
-    closest: ClosestPoints,
-) -> Fields:
-    """Return the fields of the closed holes but for the flag.
-
-    Parameters
-    ----------
-    tessellation : Tessellation
-    local : (n, 3), units
-        Deployed, near the origin.
-    curvature : HoleCurvature
-    centers : (g, 3), units
-        Of the holes' patches, in the frame of the target.
-    closest : ClosestPoints
-        Of the target.
-    """
-    mean, gaussian = target_curvature(closest, centers, curvature.normals)
-    smallest, average = hole_openings(tessellation, local)
-    return {
-        "mean_curvature": curvature.mean,
-        "gaussian_curvature": curvature.gaussian,
-        "mean_curvature_averaged": curvature.mean_averaged,
-        "gaussian_curvature_averaged": curvature.gaussian_averaged,
-        "target_mean_curvature": mean,
-        "target_gaussian_curvature": gaussian,
-        "mean_curvature_difference": curvature.mean - mean,
-        "gaussian_curvature_difference": curvature.gaussian - gaussian,
-        "area": curvature.areas,
-        "opening_angle": smallest,
-        "opening_angle_mean": average,
+        "angle_excess": found.tile_curvatures,
+        "target_integrated_gaussian_curvature": found.target_tile_curvatures,
     }
 
 

@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike
 
 from analysis import polygons
 from analysis.boundary_layer import measure_boundary_layer
-from analysis.curvature import hole_curvature
-from analysis.fields import hole_fields, tile_fields, vertex_fields
-from analysis.numbers import boundary_numbers, curvature_numbers, distance_numbers, size_numbers
+from analysis.fields import tile_fields, vertex_fields
+from analysis.hole_measures import measure_holes
+from analysis.numbers import boundary_numbers, distance_numbers, size_numbers
 from analysis.openness import measure_openness
-from analysis.patches import hole_patches
 from analysis.tables import hole_rows, number_rows
 from kirisurf.arrays import checked, frozen
 from kirisurf.closest import ClosestPoints
@@ -41,13 +40,18 @@ class Measures:
         tile: `planarity` and `isometry` (over L), `area`, `size_ratio` (mean edge over L), `smallest_edge` (over L),
         `corner_angle_min`, `corner_angle_max`, `tile_angle_deviation` (largest difference of an angle to that of the
         regular pattern), `area_magnification` (deployed over contracted, holes handed out to the tiles round them;
-        NaN at the rim).
+        NaN at the rim), `angle_excess` (0 for a flat tile), `target_integrated_gaussian_curvature` (under the tile).
 
-        hole: `mean_curvature`, `gaussian_curvature` (of the patch, at its center), `mean_curvature_averaged`,
-        `gaussian_curvature_averaged` (over the hole), `target_mean_curvature`, `target_gaussian_curvature`
-        (at the closest point of the center), `mean_curvature_difference`, `gaussian_curvature_difference`
-        (center minus target), `area`, `opening_angle` (smallest at a slit end of the hole), `opening_angle_mean`,
-        `flag` (1: the vertices do not determine the patch's curvature).
+        hole: `mean_curvature`, `gaussian_curvature`, `principal_curvature_1` (the larger), `principal_curvature_2` (of
+        the patch, at its center), `mean_curvature_averaged`, `gaussian_curvature_averaged`,
+        `integrated_gaussian_curvature` (over the hole), `target_mean_curvature`, `target_gaussian_curvature` (at the
+        closest point of the center), `mean_curvature_difference`, `gaussian_curvature_difference` (center minus
+        target) and their two parts `mean_curvature_from_patch`, `gaussian_curvature_from_patch`,
+        `mean_curvature_from_fit`, `gaussian_curvature_from_fit`, `angle_defect`, `gauss_image_area` (curvature of the
+        hole with its share of the tiles, by angles, NaN at the rim, and by normals),
+        `target_integrated_gaussian_curvature` (beneath the hole), `target_integrated_gaussian_curvature_cell` (beneath
+        the hole and its share of the tiles), `area`, `opening_angle` (smallest at a slit end of the hole),
+        `opening_angle_mean`, `flag` (1: the vertices do not determine the patch's curvature).
     tables : mapping of str to list of rows
         `holes`: a row per hole, `numbers`: name and value.
     numbers : mapping of str to float
@@ -110,20 +114,16 @@ def measure(
     if not length > 0:
         raise UnusableError("deployed vertices: expected tile edges with a length, got a median of 0")
     closest = closest or ClosestPoints(surface)
-    # products of coordinates lose digits far from the origin
-    middle = points.mean(axis=0)
-    local = points - middle
-    patches = hole_patches(local, tessellation)
-    curvature = hole_curvature(patches)
-    centers = curvature.centers + middle
+    local = points - points.mean(axis=0)
+    holes = measure_holes(points, tessellation, closest)
+    flagged = holes.patches.ill_conditioned
     # a patch that is not determined is no measure of what it covers
     vectors = np.linalg.norm(polygons.area_vectors(local, tessellation.holes), axis=1)
-    hole_areas = np.where(patches.ill_conditioned, vectors, np.abs(curvature.areas))
+    hole_areas = np.where(flagged, vectors, np.abs(holes.curvature.areas))
     groups = {
         "vertex": vertex_fields(tessellation, points, flat, closest, length),
-        "tile": tile_fields(tessellation, local, flat, hole_areas, length),
-        "hole": hole_fields(tessellation, local, curvature, centers, closest)
-        | {"flag": patches.ill_conditioned.astype(np.int64)},
+        "tile": tile_fields(tessellation, local, flat, hole_areas, length, holes.found),
+        "hole": dict(holes.fields),
     }
     fields = {(where, name): frozen(v, v.dtype) for where, group in groups.items() for name, v in group.items()}
     openness = measure_openness(local, flat, tessellation, hole_areas)
@@ -132,9 +132,9 @@ def measure(
     numbers |= size_numbers(tessellation, local, openness) | {"target_area": surface.area}
     if target_outline is not None:
         numbers |= boundary_numbers(measure_boundary_layer(points, tessellation, target_outline))
-    numbers |= curvature_numbers(groups["hole"], patches, curvature, length)
+    numbers |= holes.numbers
     return Measures(
         fields=MappingProxyType(fields),
-        tables=MappingProxyType({"holes": hole_rows(centers, groups["hole"]), "numbers": number_rows(numbers)}),
+        tables=MappingProxyType({"holes": hole_rows(holes.centers, groups["hole"]), "numbers": number_rows(numbers)}),
         numbers=MappingProxyType(numbers),
     )

@@ -7,28 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from analysis import polygons
-from analysis.bernstein import difference_matrix, tensor_rows
 from analysis.bezier import BezierPatch
+from analysis.constructions import BY_NAME, CONSTRUCTIONS
+from analysis.patch_frames import hole_frames
 from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
 from kirisurf.tessellation import Tessellation
 
-SMOOTHING = 1e-3
-"""Weight of the third differences of the control net against the vertices (both squared)."""
-
-SMOOTHING_OF_MANY = 1e-5
-"""The same where a hole has at least 16 vertices round it, as many as control points: they determine the cubic part
-themselves. Where they do not lie symmetric about the hole's center (octagons and squares, 18-gons and triangles), a
-weight of 1e-3 would leave an error of first order in the curvature there; this one is of second order, for 1.1 to 1.6
-times the noise."""
-
-FEWEST = 8
-"""Vertices that a patch needs: six determine a quadratic, two more average. A hole among four triangles has eight."""
-
 LARGEST_CONDITION = 50.0
 """Condition number of the six quadratic monomials at a hole's vertices above which they do not determine its
 curvature; a regular hole has about 5."""
+
+STEEPEST = 0.2
+"""Cosine of the angle between a tile and the plane of its hole below which no graph over the plane is its patch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,125 +92,57 @@ class HolePatches:
         return np.where(self.ill_conditioned[:, None, None, None], np.nan, points)
 
 
-def fit_patches(
-    points: Float[np.ndarray, "n d"],
-    parameters: Float[np.ndarray, "n 2"],
-    loops: Loops,
-    smoothing: float | None = None,
-) -> Float[np.ndarray, "g 4 4 d"]:
-    """Return the control nets of least-squares patches.
+def hole_patches(
+    points: Float[np.ndarray, "n 3"], tessellation: Tessellation, construction: str = "tiles"
+) -> HolePatches:
+    """Return the patch of every closed hole.
 
-    Minimizes, for every loop of points x_k at (u_k, v_k),
-
-        sum_k |S(u_k, v_k) - x_k|^2 + w sum |third differences of the net, pure and mixed|^2,
-
-    so that a surface that is quadratic in (u, v) is returned as it is, and the cubic part is as small as
-    the points allow.
+    Parameters are the positions in the best plane of the vertices of the tiles round the hole, scaled to [0, 1]^2
+    alike in both directions; normals of the patch are on the tiles' front side. The patch does not depend on any
+    numbering.
 
     Parameters
     ----------
-    points : (n, d), units
-    parameters : (n, 2)
-        In [0, 1]^2.
-    loops : Loops
-        Numbers of the points of every patch.
-    smoothing : float, optional
-        w; by default `SMOOTHING`, and `SMOOTHING_OF_MANY` for loops of at least 16 points.
+    points : (n, 3), units
+    tessellation : Tessellation
+    construction : {"tiles", "corners", "corners_and_normals"}
+        What the patch is fitted to: the vertices of the tiles round the hole; the corners of the hole alone; these
+        with the mean of the normals of the two tiles that meet there. See :mod:`analysis.constructions`.
+
+    Raises
+    ------
+    ParameterError
+        Where there is no such construction.
+
+    Examples
+    --------
+    >>> from kirisurf.pattern import quad_pattern
+    >>> pattern = quad_pattern(2, 2)
+    >>> flat = np.pad(pattern.deployed, ((0, 0), (0, 1)))
+    >>> len(hole_patches(flat, pattern, "corners").patches)
+    9
     """
-    differences = _third_differences()
-    nets = np.zeros((len(loops), 16, points.shape[1]))
-    for size, (which, indices) in loops.by_size().items():
-        weight = (SMOOTHING_OF_MANY if size >= 16 else SMOOTHING) if smoothing is None else smoothing
-        penalty = np.sqrt(weight) * differences
-        rows = tensor_rows(parameters[indices, 0], parameters[indices, 1])
-        system = np.concatenate([rows, np.broadcast_to(penalty, (len(which), *penalty.shape))], axis=1)
-        # the pseudo-inverse also answers where points coincide; such holes are flagged elsewhere
-        nets[which] = np.linalg.pinv(system)[:, :, : indices.shape[1]] @ points[indices]
-    return nets.reshape(len(loops), 4, 4, points.shape[1])
-
-
-def hole_patches(points: Float[np.ndarray, "n 3"], tessellation: Tessellation) -> HolePatches:
-    """Return the patch of every closed hole, through the vertices of the tiles round it.
-
-    Parameters are the positions in the vertices' best plane, scaled to [0, 1]^2 alike in both directions;
-    normals of the patch are on the tiles' front side. The axes in the plane follow from the positions alone
-    (the direction of sum z^4 with z = x + iy), so that the patch does not depend on any numbering.
-    """
-    around = surrounding_vertices(tessellation)
-    g = len(around)
-    owners = around.owners
-    counts = np.maximum(around.sizes, 1)
-    local = points[around.indices]
-    center = np.stack([np.bincount(owners, local[:, i], g) for i in range(3)], axis=1) / counts[:, None]
-    local = local - center[owners]
-
-    fronts = polygons.area_vectors(points, tessellation.tiles)
-    ring = tessellation.hole_tiles
-    front = np.stack([np.bincount(ring.owners, fronts[ring.indices, i], g) for i in range(3)], axis=1)
-    covariance = np.zeros((g, 3, 3))
-    np.add.at(covariance, owners, local[:, :, None] * local[:, None, :])
-    normal = np.linalg.eigh(covariance)[1][:, :, 0]
-    normal *= np.where(np.einsum("gi,gi->g", normal, front) < 0, -1.0, 1.0)[:, None]
-    # a tile that stands across the plane, or faces backwards, leaves no graph over the plane
-    steepest = np.ones(g)
-    tile_normal = polygons.unit(fronts)[ring.indices]
-    np.minimum.at(steepest, ring.owners, np.einsum("ri,ri->r", tile_normal, normal[ring.owners]))
-
-    first, second = polygons.frames(normal)
-    z = np.einsum("si,si->s", local, first[owners]) + 1j * np.einsum("si,si->s", local, second[owners])
-    fourth = np.bincount(owners, (z**4).real, g) + 1j * np.bincount(owners, (z**4).imag, g)
-    turn = np.exp(-0.25j * np.angle(fourth))
-    z = z * turn[owners]
-    size = np.zeros(g)
-    np.maximum.at(size, owners, np.maximum(np.abs(z.real), np.abs(z.imag)))
-    size = np.where(size > 0, size, 1.0)
-    parameters = 0.5 + np.stack([z.real, z.imag], axis=1) / (2 * size[owners, None])
-
-    rows = Loops(around.offsets, np.arange(len(owners)))
-    nets = fit_patches(local, parameters, rows)
-    residual = np.zeros(g)
-    for which, indices in rows.by_size().values():
-        uv = parameters[indices]
-        fitted = tensor_rows(uv[..., 0], uv[..., 1]) @ nets[which].reshape(-1, 16, 3)
-        residual[which] = np.linalg.norm(fitted - local[indices], axis=2).max(axis=1)
-
-    place = _positions(around, tessellation.holes, len(points))
-    holes = tessellation.holes
-    corners = parameters[place]
+    if construction not in BY_NAME:
+        expected = ", ".join(CONSTRUCTIONS)
+        raise ParameterError(f"patches: expected one of {expected}, got {construction!r}")
+    frames = hole_frames(points, tessellation)
+    heights = BY_NAME[construction](points, tessellation, frames)
+    g, holes = len(frames.around), tessellation.holes
+    steps = heights.sizes[:, None] * (2 * np.arange(4) / 3 - 1)
+    net = np.stack(
+        np.broadcast_arrays(steps[:, :, None], steps[:, None, :], heights.nets),
+        axis=3,
+    )
+    corners = 0.5 + frames.local(points, holes)[:, :2] / (2 * heights.sizes[holes.owners, None])
     middle = np.stack([np.bincount(holes.owners, corners[:, i], g) for i in range(2)], axis=1)
     return HolePatches(
-        patches=BezierPatch(nets + center[:, None, None]),
-        corners=Loops(holes.offsets, np.arange(len(place))),
+        patches=BezierPatch(np.einsum("gijk,gkl->gijl", net, frames.axes) + frames.centers[:, None, None]),
+        corners=Loops(holes.offsets, np.arange(len(corners))),
         parameters=corners,
         centers=middle / np.maximum(holes.sizes, 1)[:, None],
-        ill_conditioned=(around.sizes < FEWEST) | (conditions(parameters, rows) > LARGEST_CONDITION) | (steepest < 0.2),
-        residuals=residual,
+        ill_conditioned=(heights.conditions > LARGEST_CONDITION) | (frames.steepest < STEEPEST),
+        residuals=heights.residuals,
     )
-
-
-def surrounding_vertices(tessellation: Tessellation) -> Loops:
-    """Return the vertices of the tiles round every hole, each once (12 round a quad hole)."""
-    tiles, ring = tessellation.tiles, tessellation.hole_tiles
-    sizes = tiles.sizes[ring.indices]
-    hole = np.repeat(ring.owners, sizes)
-    local = np.arange(len(hole)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    vertex = tiles.indices[np.repeat(tiles.offsets[ring.indices], sizes) + local]
-    key = np.unique(hole * tessellation.n_vertices + vertex)
-    hole, vertex = np.divmod(key, max(tessellation.n_vertices, 1))
-    counts = np.bincount(hole, minlength=len(ring))
-    return Loops(np.r_[0, np.cumsum(counts)].astype(np.int64), vertex.astype(np.int64))
-
-
-def conditions(parameters: Float[np.ndarray, "s 2"], loops: Loops) -> Float[np.ndarray, " g"]:
-    """Return the condition number of the six quadratic monomials at the points of every loop."""
-    result = np.full(len(loops), np.inf)
-    for size, (which, indices) in loops.by_size().items():
-        if size >= 6:
-            x, y = 2 * parameters[indices, 0] - 1, 2 * parameters[indices, 1] - 1
-            monomials = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2)
-            values = np.linalg.svd(monomials, compute_uv=False)
-            result[which] = values[:, 0] / np.maximum(values[:, -1], 1e-300)
-    return result
 
 
 def _round_trip(size: int, m: int) -> np.ndarray:
@@ -231,17 +154,3 @@ def _round_trip(size: int, m: int) -> np.ndarray:
     np.add.at(weights, (np.arange(m), side), 1 - along)
     np.add.at(weights, (np.arange(m), (side + 1) % size), along)
     return weights
-
-
-def _third_differences() -> np.ndarray:
-    """All third differences of a 4x4 net, pure and mixed, weighted as in |third derivative|^2."""
-    rows = []
-    for order in range(4):
-        weight = np.sqrt((1.0, 3.0, 3.0, 1.0)[order])
-        rows.append(weight * np.kron(difference_matrix(4, order), difference_matrix(4, 3 - order)))
-    return np.concatenate(rows)
-
-
-def _positions(around: Loops, holes: Loops, n: int) -> np.ndarray:
-    """Where the vertices of every hole stand in the sorted list of its surrounding vertices."""
-    return np.searchsorted(around.owners * n + around.indices, holes.owners * n + holes.indices)

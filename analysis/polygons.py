@@ -61,6 +61,37 @@ def corner_angles(points: Float[np.ndarray, "n 3"], loops: Loops) -> Float[np.nd
     return result
 
 
+def angles_in_space(
+    points: Float[np.ndarray, "n 3"], loops: Loops, fronts: Float[np.ndarray, "s 3"]
+) -> Float[np.ndarray, " s"]:
+    """Return the angle between the two sides at every corner, in the order of `loops.indices`, also of skew polygons.
+
+    With u, v the sides to the next and from the previous corner, it is the angle between u and v, counted from u to v
+    about `fronts`: between -pi/4, where the sides cross a little, and 7 pi/4, where the corner is reflex.
+
+    Parameters
+    ----------
+    points : (n, 3), units
+    loops : Loops
+    fronts : (s, 3)
+        A normal at every corner; only the side matters to which it points.
+    """
+    here = points[loops.indices]
+    u, v = points[loops.successors] - here, here[before(loops)] - here
+    cross = np.cross(u, v)
+    side = np.where(np.einsum("si,si->s", cross, fronts) < 0, -1.0, 1.0)
+    angle = side * np.arctan2(np.linalg.norm(cross, axis=1), np.einsum("si,si->s", u, v))
+    return np.where(angle < -np.pi / 4, angle + 2 * np.pi, angle)
+
+
+def before(loops: Loops) -> Int[np.ndarray, " s"]:
+    """Return the position in `loops.indices` of the entry before every entry of its loop."""
+    position = np.arange(len(loops.indices)) - 1
+    full = loops.sizes > 0
+    position[loops.offsets[:-1][full]] = loops.offsets[1:][full] - 1
+    return position
+
+
 def edge_lengths(points: Float[np.ndarray, "n d"], loops: Loops) -> Float[np.ndarray, " s"]:
     """Return the length of the edge that starts at every entry of `loops.indices`, in units."""
     return np.linalg.norm(points[loops.successors] - points[loops.indices], axis=1)

@@ -15,6 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kirisurf.cards import card as card
     from kirisurf.design import Design as Design
     from kirisurf.design import fit as fit
     from kirisurf.errors import KirisurfError as KirisurfError
@@ -25,7 +26,10 @@ if TYPE_CHECKING:
     from kirisurf.errors import UnusableError as UnusableError
     from kirisurf.exporting import export as export
     from kirisurf.fabrication import Fabrication as Fabrication
+    from kirisurf.hole_table import HoleTable as HoleTable
+    from kirisurf.hole_table import curvature as curvature
     from kirisurf.judging import audit as audit
+    from kirisurf.reporting import report as report
     from kirisurf.runs import Run as Run
     from kirisurf.runs import read_run as read_run
     from kirisurf.sheet import Sheet as Sheet
@@ -38,6 +42,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "fit": "kirisurf.design",
     "audit": "kirisurf.judging",
+    "card": "kirisurf.cards",
     "Design": "kirisurf.design",
     "KirisurfError": "kirisurf.errors",
     "LimitError": "kirisurf.errors",
@@ -47,6 +52,9 @@ _HOMES = {
     "UnusableError": "kirisurf.errors",
     "export": "kirisurf.exporting",
     "Fabrication": "kirisurf.fabrication",
+    "HoleTable": "kirisurf.hole_table",
+    "curvature": "kirisurf.hole_table",
+    "report": "kirisurf.reporting",
     "Run": "kirisurf.runs",
     "read_run": "kirisurf.runs",
     "Sheet": "kirisurf.sheet",

@@ -64,7 +64,7 @@ def standard(outline: Outline) -> Outline:
 
 def needs_both_states(tessellation: Tessellation, spec: FitSpec) -> bool:
     """Are the contracted points unknowns too? See :class:`kirisurf.two_states.TwoStates`."""
-    asked = spec.contracted != "free" or spec.prefer != "balanced"
+    asked = spec.contracted != "free" or spec.prefer not in ("balanced", "curvature")
     asked = asked or spec.max_opening is not None or spec.min_corner is not None
     return asked or tessellation.has_openings or not bool(TileCorners.of(tessellation).convex.all())
 

@@ -21,10 +21,10 @@ from kirisurf.ground import Ground
 from kirisurf.layout import Layout
 from kirisurf.problem import Problem, Term
 from kirisurf.pulling import pulled
-from kirisurf.scaling import Frame, median_edge, unit_scale
+from kirisurf.scaling import Frame, Scaled, median_edge, unit_scale
 from kirisurf.solved import Solved
 from kirisurf.solvers.choice import make_solver
-from kirisurf.solvers.outcome import Limits, Progress, ShouldStop
+from kirisurf.solvers.outcome import Limits, Outcome, Progress, ShouldStop
 from kirisurf.soundness import are_apart, are_facing, are_sound
 from kirisurf.spec import FitSpec
 from kirisurf.start import Start, make_start
@@ -64,13 +64,15 @@ def solve_curved(
     else:
         frame, formulate, continuation = _formulated(ground, start.tessellation, start.points, spec, left)
         outcome, notes = continuation.solve(formulate, frame.into(start.points), progress, should_stop)
+    target = Scaled(ground.closest, frame)
+    outcome, more = _pulled(outcome, target, start.tessellation, spec, left, progress, should_stop)
     return Solved(
         start.tessellation,
         start.points,
         frame.back(outcome.points),
         frame.length,
         outcome,
-        start.notes + notes,
+        start.notes + notes + more,
         start.warnings,
         started,
         start.feasibility,
@@ -94,21 +96,59 @@ def _formulated(
     frame, scaled = unit_scale(ground.surface, tessellation, points, ground.closest)
 
     def formulate(reference: np.ndarray, weights: Weights, guarded: bool) -> Callable[[np.ndarray], Problem]:
-        return Formulation(
-            tessellation,
-            reference,
-            scaled,
-            weights,
-            exact=spec.closeness == "exact",
-            margin=MARGIN * float(np.sin(np.radians(spec.min_angle))),
-            smallest_edge=MARGIN * spec.min_edge * median_edge(tessellation, reference),
-            guarded=guarded,
-        ).problem_at
+        return _problem(tessellation, scaled, spec, reference, weights, (), guarded)
 
     enough = partial(sufficiency, spec, tessellation)
     sound = partial(are_sound, tessellation)
     solver = partial(make_solver, spec.solver)
     return frame, formulate, Continuation(solver, left, enough, sound, spec.max_steps is None)
+
+
+def _problem(
+    tessellation: Tessellation,
+    target: Scaled,
+    spec: FitSpec,
+    reference: np.ndarray,
+    weights: Weights,
+    wishes: tuple[Term, ...],
+    guarded: bool = False,
+) -> Callable[[np.ndarray], Problem]:
+    """The problem near a sheet (n, 3), as a function of where the target is modeled."""
+    return Formulation(
+        tessellation,
+        reference,
+        target,
+        weights,
+        exact=spec.closeness == "exact",
+        margin=MARGIN * float(np.sin(np.radians(spec.min_angle))),
+        smallest_edge=MARGIN * spec.min_edge * median_edge(tessellation, reference),
+        guarded=guarded,
+        wishes=wishes,
+    ).problem_at
+
+
+def _pulled(
+    outcome: Outcome,
+    target: Scaled,
+    tessellation: Tessellation,
+    spec: FitSpec,
+    left: Callable[[], Limits],
+    progress: Progress | None,
+    should_stop: ShouldStop | None,
+) -> tuple[Outcome, tuple[str, ...]]:
+    """Pull a solved sheet towards the preference, where there is one."""
+    return pulled(
+        outcome,
+        spec.prefer,
+        tessellation,
+        target,
+        partial(_problem, tessellation, target, spec),
+        partial(make_solver, spec.solver),
+        left,
+        lambda found: sufficiency(spec, tessellation, found) >= 1 and are_sound(tessellation, found),
+        progress,
+        should_stop,
+    )
 
 
 def _both_states(
@@ -165,7 +205,7 @@ def _both_states(
         outcome,
         spec.prefer,
         tessellation,
-        None,
+        scaled,
         problem,
         solver,
         left,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
+from kirisurf.field_units import described_file
 from kirisurf.loops import Loops
 from kirisurf.origin import moved, round_origin
 from kirisurf.pipeline import FitResult, fit_surface
@@ -109,17 +110,17 @@ class Design:
     @property
     def deployed(self) -> pyvista.PolyData:
         """The deployed tiles as a pyvista mesh with every field of vertices and tiles."""
-        return self._polydata(self.deployed_points, self.tessellation.tiles, "vertex", "tile")
+        return self._polydata("deployed", self.deployed_points, self.tessellation.tiles, "tile")
 
     @property
     def contracted(self) -> pyvista.PolyData:
         """The contracted tiles (z = 0) as a pyvista mesh with every field of vertices and tiles."""
-        return self._polydata(self.contracted_points, self.tessellation.tiles, "vertex", "tile")
+        return self._polydata("contracted", self.contracted_points, self.tessellation.tiles, "tile")
 
     @property
     def holes(self) -> pyvista.PolyData:
         """The deployed holes as a pyvista mesh with every field of vertices and holes."""
-        return self._polydata(self.deployed_points, self.tessellation.holes, "vertex", "hole")
+        return self._polydata("holes", self.deployed_points, self.tessellation.holes, "hole")
 
     def fields(self, where: str) -> Mapping[str, np.ndarray]:
         """Return the named fields of vertex, tile or hole."""
@@ -162,10 +163,24 @@ class Design:
         seconds = time.perf_counter() - began
         return save(finished, folder, pictures=pictures, measure_seconds=seconds, stage=stage)
 
-    def _polydata(self, points: np.ndarray, loops: Loops, at_points: str, at_cells: str) -> pyvista.PolyData:
+    def __repr__(self) -> str:
+        return f"Design({self.surface.name!r}, {self.tessellation.n_tiles} tiles, {self.status.name})"
+
+    def _repr_html_(self) -> str:
+        return self._card
+
+    @cached_property
+    def _card(self) -> str:
+        from kirisurf.cards import card
+
+        return card(self)
+
+    def _polydata(self, state: str, points: np.ndarray, loops: Loops, at_cells: str) -> pyvista.PolyData:
         from kirisurf.formats import to_polydata
 
-        return to_polydata(points, loops, self.fields(at_points), self.fields(at_cells))
+        vertex, cell = self.fields("vertex"), self.fields(at_cells)
+        about = described_file(state, {*vertex, *cell}, self.spec.units, self.origin)
+        return to_polydata(points, loops, vertex, cell, about)
 
 
 def fit(

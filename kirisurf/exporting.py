@@ -11,9 +11,12 @@ import numpy as np
 
 from kirisurf.dxf import dxf_text
 from kirisurf.errors import ParameterError
+from kirisurf.exporting_blocks import FRAMES, MOST_FRAMES, write_blocks, write_series
 from kirisurf.fabrication import Fabrication, SheetPlace, cut_lines, solid_part
+from kirisurf.field_units import described_file
 from kirisurf.formats import write_obj, write_vtp
 from kirisurf.formats.atomic import write_bytes, write_text
+from kirisurf.formats.pieces import is_replaceable, pieces_folder
 from kirisurf.formats.stl import stl_bytes
 from kirisurf.formats.triangulation import triangulated
 from kirisurf.runs import Run
@@ -22,6 +25,7 @@ from kirisurf.svg import svg_text
 
 STATES = ("contracted", "deployed")
 CUTTING = (".svg", ".dxf")
+BLOCKS, SERIES = ".vtm", ".pvd"
 _LATER = (".pdf", ".step", ".stp", ".3mf", ".ply")
 
 
@@ -32,6 +36,7 @@ def export(
     hinge_width: float | None = None,
     units: str | None = None,
     making: Fabrication | None = None,
+    frames: int = FRAMES,
 ) -> Path:
     """Write one file of a run; its suffix chooses the format.
 
@@ -40,6 +45,8 @@ def export(
     .dxf     the same, layers CUT, HINGE and OUTLINE
     .obj     polygons of a state (contracted, unless `state` says deployed)
     .vtp     the same with every named field
+    .vtm     tiles, holes, target and contracted tiles as named blocks, in a folder beside it
+    .pvd     the sheet opening, frame by frame, in a folder beside it: interpolated, no mechanism
     .stl     triangles of a state, or with a thickness the sheet as a solid (binary, single precision)
     .csv     curvature of every hole
     =======  ==============================================================
@@ -55,11 +62,13 @@ def export(
         Short for those of `making`.
     making : Fabrication, optional
         Scale, sheet, kerf and thickness of cutting files and solids.
+    frames : int
+        Of a time series, from closed to open.
 
     Raises
     ------
     ParameterError
-        Where the suffix, the state or a length is wrong, or the pattern does not fit the sheet.
+        Where the suffix, the state, a length or the number of frames is wrong, or the pattern does not fit the sheet.
     OutputError
         Where the file cannot be written.
     """
@@ -68,7 +77,7 @@ def export(
         making = replace(making, hinge_width=hinge_width)
     if units is not None:
         making = replace(making, units=units)
-    return export_with_remarks(run, path, state, making).path
+    return export_with_remarks(run, path, state, making, frames).path
 
 
 @dataclass(frozen=True)
@@ -90,11 +99,15 @@ class Exported:
 
 
 def export_with_remarks(
-    run: Run, path: str | os.PathLike[str], state: str | None = None, making: Fabrication | None = None
+    run: Run,
+    path: str | os.PathLike[str],
+    state: str | None = None,
+    making: Fabrication | None = None,
+    frames: int = FRAMES,
 ) -> Exported:
     """Write one file as :func:`export` does, and return what is to be said about it."""
     making = making or Fabrication()
-    check_names([path], state, making)
+    check_names([path], state, making, frames)
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix in CUTTING:
@@ -110,12 +123,22 @@ def export_with_remarks(
         part, placement = solid_part(run, making)
         write_bytes(path, stl_bytes(part.corners))
         return Exported(path, placement, part.warnings)
-    _WRITERS[suffix](run, path, state or STATES[0])
+    if suffix == SERIES:
+        write_series(run, path, frames)
+    elif suffix == BLOCKS:
+        write_blocks(run, path)
+    else:
+        _WRITERS[suffix](run, path, state or STATES[0])
     return Exported(path)
 
 
-def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None, making: Fabrication | None = None) -> None:
-    """Check suffixes, state and what goes with them before anything is read or written.
+def check_names(
+    paths: Sequence[str | os.PathLike[str]],
+    state: str | None,
+    making: Fabrication | None = None,
+    frames: int = FRAMES,
+) -> None:
+    """Check suffixes, state, number of frames and what goes with them before anything is read or written.
 
     Raises
     ------
@@ -125,6 +148,8 @@ def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None, maki
     making = making or Fabrication()
     if state is not None and state not in STATES:
         raise ParameterError(f"--state: expected one of {', '.join(STATES)}, got {state!r}")
+    if not 2 <= frames <= MOST_FRAMES:
+        raise ParameterError(f"--frames: expected a number from 2 to {MOST_FRAMES}, got {frames}")
     for path in paths:
         suffix = Path(path).suffix.lower()
         if suffix in _LATER:
@@ -132,6 +157,8 @@ def check_names(paths: Sequence[str | os.PathLike[str]], state: str | None, maki
         if suffix not in SUFFIXES:
             raise ParameterError(f"{path}: expected a suffix among {', '.join(SUFFIXES)}, got {suffix or 'none'}")
         is_solid = suffix == ".stl" and making.thickness is not None
+        if suffix in (BLOCKS, SERIES) and state is not None:
+            raise ParameterError(f"{path}: expected no --state for {suffix}, which holds both, got {state}")
         if (suffix in CUTTING or is_solid) and state == "deployed":
             what = "solid" if is_solid else "cut pattern"
             raise ParameterError(f"{path}: expected --state contracted for a {what}, got deployed")
@@ -150,12 +177,23 @@ def check_free(paths: Sequence[str | os.PathLike[str]], folder: str | os.PathLik
         With the file that is in the way.
     """
     for path in map(Path, paths):
+        _check_pieces(path, overwrite)
         if not path.exists():
             continue
         if path.resolve().parent == Path(folder).resolve():
             raise ParameterError(f"{path}: expected a new file, got one of the run's own; choose another name")
         if not overwrite:
             raise ParameterError(f"{path}: expected a new file, got one that exists; --overwrite replaces it")
+
+
+def _check_pieces(path: Path, overwrite: bool) -> None:
+    if path.suffix.lower() not in (BLOCKS, SERIES):
+        return
+    folder = pieces_folder(path)
+    if not is_replaceable(folder):
+        raise ParameterError(f"{folder}: expected a new folder for the pieces of {path.name}, got one with other files")
+    if os.path.lexists(folder) and not overwrite:
+        raise ParameterError(f"{folder}: expected a new folder, got one that exists; --overwrite replaces it")
 
 
 def _points(run: Run, state: str) -> np.ndarray:
@@ -172,7 +210,8 @@ def _write_obj(run: Run, path: Path, state: str) -> None:
 def _write_vtp(run: Run, path: Path, state: str) -> None:
     vertex = {name: values for (where, name), values in run.fields.items() if where == "vertex"}
     tile = {name: values for (where, name), values in run.fields.items() if where == "tile"}
-    write_vtp(path, _points(run, state), run.tessellation.tiles, vertex, tile)
+    about = described_file(state, {*vertex, *tile}, run.spec.units, run.origin)
+    write_vtp(path, _points(run, state), run.tessellation.tiles, vertex, tile, about)
 
 
 def _write_csv(run: Run, path: Path, state: str) -> None:
@@ -193,4 +232,4 @@ _WRITERS: dict[str, Callable[[Run, Path, str], None]] = {
     ".stl": _write_stl,
     ".csv": _write_csv,
 }
-SUFFIXES = (*CUTTING, *_WRITERS)
+SUFFIXES = (*CUTTING, *_WRITERS, BLOCKS, SERIES)

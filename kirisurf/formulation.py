@@ -70,6 +70,8 @@ class Formulation:
     guarded : bool
         Whether rows keep the tiles convex and neighbors facing the same way. Why not always: few targets need
         them, and where they are slack their barrier still pushes, by up to a tenth of the distance to the target.
+    wishes : sequence of Term
+        Secondary objectives.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class Formulation:
         margin: float = 0.05,
         smallest_edge: float = 0.1,
         guarded: bool = False,
+        wishes: tuple[Term, ...] = (),
     ) -> None:
         self._target = target
         self._weights = weights
@@ -104,7 +107,7 @@ class Formulation:
         fairness = [EqualNeighbors(tessellation, int(k)) for k in sizes]
         pairs = max(1, sum(len(block.stencil) for block in fairness))
         self._fixed = [Term(weights.fairness * tessellation.n_tiles / pairs, b) for b in fairness if len(b.stencil)]
-        self._fixed.append(Term(weights.proximity, Proximity(start)))
+        self._fixed += [Term(weights.proximity, Proximity(start)), *wishes]
 
     def problem_at(self, points: Float[np.ndarray, "n 3"]) -> Problem:
         """Return the problem with its model of the target made at `points`; stencils are always the same."""

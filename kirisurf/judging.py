@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +32,7 @@ from kirisurf.tessellation import Tessellation
 
 if TYPE_CHECKING:
     from analysis.certificate import Certificate
+    from analysis.foreign_holes import ForeignHoles
     from analysis.frames import Frame
     from analysis.measures import Measures
 
@@ -124,6 +125,16 @@ def patch_points(tessellation: Tessellation, deployed: np.ndarray, n: int) -> np
     return hole_patches(deployed, tessellation).sample(n)
 
 
+def hole_measures(
+    tessellation: Tessellation, deployed: np.ndarray, surface: Surface, construction: str
+) -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    """Return the fields of the holes, with their centers (h, 3), and numbers, for another construction of patches."""
+    from analysis.hole_measures import measure_holes
+
+    found = measure_holes(deployed, tessellation, ClosestPoints(surface), construction)
+    return {**found.fields, CENTER: frozen(found.centers)}, dict(found.numbers)
+
+
 def named_fields(measures: Measures, where: str) -> dict[str, np.ndarray]:
     """Return the fields of vertex, tile or hole by name; holes have their centers (h, 3) among them."""
     found = {name: values for (place, name), values in measures.fields.items() if place == where}
@@ -134,7 +145,7 @@ def named_fields(measures: Measures, where: str) -> dict[str, np.ndarray]:
 
 
 def deployment(
-    tessellation: Tessellation, contracted: np.ndarray, deployed: np.ndarray, shares: Sequence[float]
+    tessellation: Tessellation, contracted: np.ndarray, deployed: np.ndarray, shares: Iterable[float]
 ) -> Iterator[Frame]:
     """Yield the sheet at shares of the way between its states: interpolated, no mechanism."""
     from analysis.frames import frames
@@ -152,7 +163,7 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
         with `Loops` or a list of index lists, or meshes.
     target : file, name of a sample surface, (vertices, faces) or pyvista mesh, optional
         Without it the rows on the target are not judged. A file of kirisurf that was shifted to a round
-        origin says so in a comment; the target is shifted with it.
+        origin says so; the target is shifted with it.
 
     Raises
     ------
@@ -170,6 +181,28 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
     """
     from analysis.certificate import certify
 
+    points, flat, tiles, surface = _judged(deployed, contracted, target)
+    return certify(points, flat, tiles, surface)
+
+
+def measured_holes(deployed: Any, contracted: Any, target: Any = None) -> ForeignHoles:
+    """Measure the holes of any pair of states; parameters and errors as for :func:`audit`.
+
+    Examples
+    --------
+    >>> from kirisurf.pattern import quad_pattern
+    >>> pattern = quad_pattern(2, 2)
+    >>> found = measured_holes((pattern.deployed, pattern.tiles), (pattern.contracted, pattern.tiles))
+    >>> len(found.holes), bool(abs(found.fields["gaussian_curvature"]).max() < 1e-9)
+    (9, True)
+    """
+    from analysis.foreign_holes import foreign_holes
+
+    return foreign_holes(*_judged(deployed, contracted, target))
+
+
+def _judged(deployed: Any, contracted: Any, target: Any) -> tuple[np.ndarray, np.ndarray, Loops, Surface | None]:
+    """Read both states (n, 3) and (n, 2) or (n, 3), their tiles, and the target in the frame of the deployed one."""
     points, tiles = _state(deployed)
     flat, same = _state(contracted)
     if len(points) != len(flat):
@@ -185,8 +218,8 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
         points = np.column_stack([points, np.zeros(len(points))])
     surface = None
     if target is not None:
-        surface = moved(load(target), origin_of(deployed))
-    return certify(points, flat, tiles, surface)
+        surface = moved(load(target), origin_of(deployed) - origin_of(target))
+    return points, flat, tiles, surface
 
 
 def origin_of(deployed: Any) -> np.ndarray:

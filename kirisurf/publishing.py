@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from kirisurf.judging import patch_points
 from kirisurf.runs import Run
 from kirisurf.runs.table import curvature_rows
+from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
 from kirisurf.targets import loaded
 from kirisurf.tessellation import Tessellation
@@ -22,8 +23,28 @@ if TYPE_CHECKING:
     from viewers.report import ReportParts
     from viewers.scenes import Sheet
 
-PICTURES = ("overview", "target", "pattern", "deployed", "mean_curvature", "gaussian_curvature", "asked_stretch")
+STANDARD = ("overview", "target", "pattern", "deployed", "asked_stretch")
+MAPS = (
+    "mean_curvature",
+    "target_mean_curvature",
+    "mean_curvature_difference",
+    "gaussian_curvature",
+    "target_gaussian_curvature",
+    "gaussian_curvature_difference",
+    "distance",
+)
+PANELS = ("residence", "residuals")
+"""Several maps in one picture."""
+
+PICTURES = (*STANDARD, *MAPS, *PANELS)
+FIGURE, MAP, PANEL = ((1280, 1000), 36.0), ((960, 780), 26.0), (((1040, 840), 36.0), ((600, 510), 26.0))
+"""Pixels and lines of text (see `viewers.snapshot.render`) of what stands alone in the report, of one of three in a
+row, and of one panel of two or of more."""
+
 REPORT = "report.html"
+SHOWN_OPTIONS = ("tessellation", "cells", "tiles", "closeness")
+"""Options that a report names even where they are the usual ones."""
+
 PATCH_POINTS = 9
 """Points along every side of a hole's curved patch in a picture."""
 
@@ -66,15 +87,23 @@ def run_sheet(run: Run) -> Sheet:
     return sheet(run.tessellation, run.deployed, run.contracted, run.target, run.fields, run.spec.units, stretch)
 
 
-def draw_pictures(drawn: Sheet, folder: Path, names: Sequence[str] = PICTURES) -> tuple[dict[str, Path], str]:
-    """Write the standard pictures as `NAME.png`.
+def draw_pictures(
+    drawn: Sheet,
+    folder: Path,
+    names: Sequence[str] = PICTURES,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> tuple[dict[str, Path], str]:
+    """Write the standard pictures and the maps as `NAME.png`.
 
     Parameters
     ----------
     drawn : Sheet
     folder : Path
     names : sequence of str
-        Some of `PICTURES`.
+        Some of `PICTURES`; those that the sheet has nothing for are left out.
+    ranges : mapping of str to (float, float), optional
+        Ends of the color bars of some maps, such as those of the same maps of other designs. The pictures stand beside
+        those of other designs then, and all have the size of maps.
 
     Returns
     -------
@@ -89,6 +118,7 @@ def draw_pictures(drawn: Sheet, folder: Path, names: Sequence[str] = PICTURES) -
         Where a file cannot be written.
     """
     from viewers.opengl import probe
+    from viewers.report_scenes import accuracy_scenes, curvature_scenes, ranged, residence_scenes, residual_scenes
     from viewers.scenes import standard_scenes
     from viewers.snapshot import NoOpenGLError, render, render_overview
 
@@ -96,12 +126,23 @@ def draw_pictures(drawn: Sheet, folder: Path, names: Sequence[str] = PICTURES) -
     if not answer.available:
         return {}, answer.reason
     scenes = standard_scenes(drawn)
+    maps = {**curvature_scenes(drawn), **accuracy_scenes(drawn)}
+    maps |= {name: ranged(maps[name], limits, "") for name, limits in (ranges or {}).items() if name in maps}
+    panels = {"residence": residence_scenes(drawn), "residuals": residual_scenes(drawn)}
     pictures: dict[str, Path] = {}
     try:
         for name in names:
             path = folder / f"{name}.png"
             if name == "overview":
                 pictures[name] = render_overview(scenes, path)
+            elif name in maps:
+                size, lines = MAP if "curvature" in name else FIGURE
+                pictures[name] = render(maps[name], path, size, lines)
+            elif name in scenes and ranges is not None:
+                pictures[name] = render(scenes[name], path, *MAP)
+            elif panels.get(name):
+                size, lines = PANEL[len(panels[name]) > 2]
+                pictures[name] = render_overview(panels[name], path, len(panels[name]), size, lines)
             elif name in scenes:
                 pictures[name] = render(scenes[name], path)
     except NoOpenGLError as problem:
@@ -116,10 +157,12 @@ def report_parts(
     pictures: Mapping[str, Path],
     no_pictures: str = "",
     title: str = "",
+    spec: FitSpec | None = None,
 ) -> ReportParts:
     """Return what a report shows, from the record of a run (complete or about to be written).
 
-    Seconds and warnings of drawing are not part of it: the same design gives the same report.
+    Warnings of drawing are not part of it, and seconds are shown in comparisons alone: the same design gives the same
+    report.
     """
     from viewers.report import ReportParts
 
@@ -129,7 +172,7 @@ def report_parts(
     width, height = np.ptp(contracted, axis=0).tolist()
     units = str(result["units"])
     return ReportParts(
-        title=title or f"kirisurf: {result['target']['name']}",
+        title=title or str(result["target"]["name"]),
         target_name=str(result["target"]["name"]),
         units="unit" if "assumed" in units else units,
         result={key: value for key, value in result.items() if key != "seconds"},
@@ -145,14 +188,39 @@ def report_parts(
         history=tuple(result["history"]),
         sheet_size=(width, height),
         no_pictures=no_pictures,
+        spec={} if spec is None else _options(spec),
+        seconds=dict(result.get("seconds") or {}),
     )
 
 
-def run_report_parts(run: Run) -> ReportParts:
-    """Return what a report on a finished run shows."""
-    pictures = {name: run.folder / f"{name}.png" for name in PICTURES if (run.folder / f"{name}.png").is_file()}
-    missing = "" if pictures else "The run holds no pictures."
-    return report_parts(run.result, run.contracted, run.fields, pictures, missing, f"kirisurf: {run.name}")
+def _options(spec: FitSpec) -> dict[str, Any]:
+    """The options of a fit that are not the usual ones, and `SHOWN_OPTIONS`; not the target, which may be a path."""
+    usual = FitSpec(target=spec.target).as_dict()
+    return {
+        # of a file its name: a report is mailed, the folders of its writer are not
+        name: Path(value).name if isinstance(value, str) else value
+        for name, value in spec.as_dict().items()
+        if name != "target" and value is not None and (name in SHOWN_OPTIONS or value != usual.get(name))
+    }
+
+
+def numbers_of(parts: Sequence[ReportParts]) -> dict[str, Any]:
+    """Return every number that the report of one design, or the comparison of several, shows."""
+    from viewers.report_comparison import comparison_numbers
+    from viewers.report_numbers import report_numbers
+
+    return report_numbers(parts[0]) if len(parts) == 1 else comparison_numbers(parts)
+
+
+def shared_ranges(parts: Sequence[ReportParts]) -> dict[str, tuple[float, float]]:
+    """Return one range of K for the maps of several designs for one target in one unit; nothing where they are not."""
+    from viewers.report_comparison import compares
+    from viewers.report_scenes import curvature_range
+
+    if not compares(parts):
+        return {}
+    ranges = [curvature_range(each.fields, "gaussian_curvature", each.units).limits for each in parts]
+    return {"gaussian_curvature": (min(low for low, _ in ranges), max(high for _, high in ranges))}
 
 
 def write_report(parts: ReportParts | Sequence[ReportParts], path: Path) -> Path:
@@ -163,9 +231,77 @@ def write_report(parts: ReportParts | Sequence[ReportParts], path: Path) -> Path
     OutputError
         Where it cannot be written.
     """
-    from viewers.report import write_report
+    from viewers import report
 
-    return write_report(parts, path)
+    return report.write_report(parts, path)
+
+
+def serve_workbench(
+    target: str, options: Mapping[str, Any], ready: Callable[[str], None], port: int = 0, is_browser_opened: bool = True
+) -> str:
+    """Serve a run or a target as a page on this machine, and wait until a signal ends it.
+
+    Parameters
+    ----------
+    target : str
+        A run folder, a mesh file, an outline, or the name of a sample.
+    options : mapping
+        Of `FitSpec`, on top of those of the run or of the defaults.
+    ready : callable
+        Receives the page's address, with its key, as soon as it answers.
+    port : int
+        0 for any that is free.
+    is_browser_opened : bool
+        Whether the page is opened in the user's browser.
+
+    Returns
+    -------
+    str
+        The page's address.
+
+    Raises
+    ------
+    ParameterError
+        Where the extra kirisurf[web] is not installed, the port cannot be had, or an option is wrong.
+    KirisurfError
+        Where nothing can be drawn here, or the run or the target cannot be read.
+    """
+    from viewers.workbench.web.libraries import require_libraries
+
+    require_libraries()
+    from concurrent.futures import ThreadPoolExecutor
+
+    from viewers.opengl import probe
+    from viewers.workbench.web.engine import WebEngine
+
+    engine, shown = WebEngine(), list[str]()
+
+    def tell(address: str) -> None:
+        shown.append(address)
+        ready(address)
+        if is_browser_opened:
+            open_page(address)
+
+    with ThreadPoolExecutor(1) as pool:
+        # asked in a child process, while this one reads and imports what the page needs
+        asked = pool.submit(probe)
+        from viewers.snapshot import NoOpenGLError
+        from viewers.workbench.opening import open_any
+        from viewers.workbench.web.opener import open_page
+        from viewers.workbench.web.serving import prepare, serve
+
+        state, results = open_any(target, **options)
+        engine.warm_up()
+        prepare()
+        answer = asked.result()
+    try:
+        if not answer.available:
+            raise NoOpenGLError(answer.reason)
+        opened = None if results.sheet is None else Path(target)
+        serve(state, results, engine, tell, port, f"kirisurf: {Path(target).name}", opened)
+    finally:
+        engine.close()
+    return shown[0]
 
 
 def show_workbench(target: str, options: Mapping[str, Any]) -> str:
@@ -215,3 +351,12 @@ def show_workbench(target: str, options: Mapping[str, Any]) -> str:
     else:
         show_surface(loaded(state.spec)[1], title)
     return f"{answer.reason}. A plain window opened instead."
+
+
+def notebook_card(
+    values: Mapping[str, Any], result: Mapping[str, Any], drawn: Sheet, pattern: str, units: str = "unit"
+) -> str:
+    """Return the card of a design as HTML, see :func:`viewers.notebook.sheet_card`."""
+    from viewers.notebook import sheet_card
+
+    return sheet_card(values, result, drawn, pattern, units)

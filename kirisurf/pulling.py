@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from kirisurf.closest import ClosestPointMap
 from kirisurf.formulation import Weights
 from kirisurf.outlines import Outline
 from kirisurf.problem import Problem, Term
@@ -22,6 +23,8 @@ FIRST_HOLD, STIFFEST = 0.1, 1.0
 """Weight of proximity in the first round, and that above which pulling is given up."""
 SOFTER = 10.0
 """Factor of that weight from round to round: down after one that succeeded, up after one that failed."""
+ROUNDING = 1e-10
+"""Root mean square of the rows below which nothing is left to be wished for."""
 PAYS = 0.98
 """Factor by which what is wished for must improve for one more round."""
 
@@ -32,7 +35,7 @@ def pulled(
     outcome: Outcome,
     name: str,
     tessellation: Tessellation,
-    outline: Outline | None,
+    target: Outline | ClosestPointMap,
     formulate: Formulate,
     make_solver: Callable[[Limits], Solver],
     left: Callable[[], Limits],
@@ -51,8 +54,8 @@ def pulled(
     name : str
         Of the preference.
     tessellation : Tessellation
-    outline : Outline, optional
-        Of a planar target, in tile edges.
+    target : Outline or ClosestPointMap
+        The outline of a planar target, or the closest points of a curved one; in tile edges.
     formulate : callable
         Problem near points (q, 3), for weights and wishes.
     make_solver, left : callables
@@ -68,12 +71,16 @@ def pulled(
     """
     if name == "balanced" or outcome.status is not Status.CONVERGED:
         return outcome, ()
+    if name == "curvature" and isinstance(target, Outline):
+        return outcome, ("Preference: curvature; a planar target has none: nothing was done.",)
 
     def wished(points: np.ndarray) -> tuple[Preference, float]:
-        wish = preference(name, tessellation, points, outline)
+        wish = preference(name, tessellation, points, target)
         return wish, _measured(formulate(points, wish.weights, wish.terms)(points), wish, points)
 
     wish, before = wished(outcome.points)
+    if before <= ROUNDING:
+        return outcome, (f"Preference: {name}; {wish.says}: there were none.",)
     # a sheet that was not sound before may stay so
     sound = keeps(outcome.points)
     now, hold, softest = before, FIRST_HOLD, wish.weights.proximity

@@ -67,10 +67,11 @@ class Begun:
 def can_refit(surface: Surface, spec: FitSpec, start: Start) -> bool:
     """Whether `refit` solves this fit: a free sheet as near to a curved target as it gets, by the own solver.
 
-    All others (planar targets, exact sheets, prescribed contracted shapes, openings, other solvers) are for
-    :func:`kirisurf.pipeline.fit_surface`.
+    All others (planar targets, exact sheets, prescribed contracted shapes, openings, preferences, other solvers) are
+    for :func:`kirisurf.pipeline.fit_surface`.
     """
     plain = spec.closeness == "best" and spec.solver in ("auto", "newton") and spec.max_steps is None
+    plain = plain and spec.prefer == "balanced"
     return plain and surface.outline is None and not needs_both_states(start.tessellation, spec)
 
 

@@ -16,14 +16,25 @@ from jaxtyping import Float
 
 from kirisurf.cuts import Cuts, cuts
 from kirisurf.errors import ParameterError
+from kirisurf.field_units import described_file
 from kirisurf.formats import read_polygons, write_obj, write_vtp
 from kirisurf.formats.atomic import write_text
+from kirisurf.formats.blocks import vtm_text
 from kirisurf.judging import certified, named_fields
 from kirisurf.loops import Loops
 from kirisurf.pipeline import FitResult
 from kirisurf.runs import Run, RunFolder, read_run
-from kirisurf.runs.record import SECONDS, write_record
-from kirisurf.runs.run import ASKED_STRETCH, CELL, SPEC, STANDARD_CONTRACTED, STANDARD_DEPLOYED, WELD
+from kirisurf.runs.record import SECONDS, plain, versions, write_record
+from kirisurf.runs.run import (
+    ASKED_STRETCH,
+    BLOCKS,
+    CELL,
+    RUN_BLOCKS,
+    SPEC,
+    STANDARD_CONTRACTED,
+    STANDARD_DEPLOYED,
+    WELD,
+)
 from kirisurf.runs.table import curvature_csv
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
@@ -146,12 +157,19 @@ def _write_data(design: Finished, lines: Cuts, to: Path) -> None:
         STANDARD_DEPLOYED: tessellation.deployed,
         STANDARD_CONTRACTED: tessellation.contracted,
     }
-    write_vtp(to / "deployed.vtp", points, tiles, vertex, tile)
-    write_vtp(to / "contracted.vtp", flat, tiles, {**vertex, **topology}, {**tile, CELL: tessellation.cells})
-    write_vtp(to / "holes.vtp", points, tessellation.holes, vertex, hole)
+
+    def about(state: str, *fields: Mapping[str, Any]) -> dict[str, Any]:
+        return described_file(state, set().union(*fields), design.spec.units, design.origin)
+
+    write_vtp(to / "deployed.vtp", points, tiles, vertex, tile, about("deployed", vertex, tile))
+    at_flat, on_flat = {**vertex, **topology}, {**tile, CELL: tessellation.cells}
+    write_vtp(to / "contracted.vtp", flat, tiles, at_flat, on_flat, about("contracted", at_flat, on_flat))
+    write_vtp(to / "holes.vtp", points, tessellation.holes, vertex, hole, about("holes", vertex, hole))
     faces = Loops(np.arange(0, 3 * len(surface.faces) + 1, 3), surface.faces.ravel())
     asked = {} if design.result.feasibility is None else {ASKED_STRETCH: design.result.feasibility.asked}
-    write_vtp(to / "target.vtp", surface.vertices, faces, {"normal": surface.normals, **asked})
+    at_target = {"normal": surface.normals, **asked}
+    write_vtp(to / "target.vtp", surface.vertices, faces, at_target, None, about("target", at_target))
+    write_text(to / BLOCKS, vtm_text(RUN_BLOCKS))
     write_text(to / "curvature.csv", curvature_csv(hole))
     write_text(to / "pattern.svg", svg_text(lines, design.spec.units, f"{surface.name}: cut pattern"))
 
@@ -242,7 +260,8 @@ def _publish(design: Finished, result: Mapping[str, Any], to: Path, pictures: bo
         shown = sheet(tessellation, points, flat, design.result.surface, fields, design.spec.units, stretch)
         drawn, reason = draw_pictures(shown, to)
         warnings = [reason] if reason else []
-    parts = report_parts(result, flat, fields, drawn, reason)
+    record = {**plain(result), "versions": versions()}
+    parts = report_parts(record, flat, fields, drawn, reason, spec=design.spec)
     write_report(parts, to / REPORT)
     return warnings
 

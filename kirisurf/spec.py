@@ -23,7 +23,7 @@ RECTANGLE = "rectangle"
 LEAST_TOLERANCE = 1e-12
 """What double precision lets a certificate of several hundred tiles promise."""
 
-PREFERENCES = ("balanced", "smoothest", "nearest", "open", "uniform")
+PREFERENCES = ("balanced", "smoothest", "nearest", "curvature", "open", "uniform")
 """Secondary objectives, which choose among the sheets that meet every row."""
 
 
@@ -74,8 +74,8 @@ class FitSpec:
         Smallest interior angle of a tile, in degrees; None leaves it free.
     prefer : str
         Which of the sheets that meet every row is wanted, one of `PREFERENCES`: smoothest (neighboring tiles alike),
-        nearest (the outer vertices near the target's outline, or all near the surface), open (slits as wide as in the
-        open regular pattern), uniform (tiles of one size), or a balance.
+        nearest (the outer vertices near the target's outline, or all near the surface), curvature (holes curved as
+        the target is), open (slits as wide as in the open regular pattern), uniform (tiles of one size), or a balance.
     hinge_width : float or None
         Material left at every hinge of the cut pattern, in the target's units; None is 4 % of the
         median contracted tile edge.

@@ -11,13 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from kirisurf.closest import ClosestPointMap
 from kirisurf.constraints.chord import SquaredDistances
 from kirisurf.constraints.outline import OnOutline
+from kirisurf.errors import ParameterError
 from kirisurf.formulation import Weights
+from kirisurf.objective.hole_bending import HoleBending
 from kirisurf.outlines import Outline
 from kirisurf.problem import Term
 from kirisurf.slit_ends import SlitEnds
+from kirisurf.surroundings import surrounding_vertices
 from kirisurf.tessellation import Tessellation
+
+BENDING = 30.0
+"""Weight of the holes' curvature, in tile edges, against that of the distances."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,28 +49,37 @@ class Preference:
 
 
 def preference(
-    name: str, tessellation: Tessellation, points: Float[np.ndarray, "q 3"], outline: Outline | None
+    name: str, tessellation: Tessellation, points: Float[np.ndarray, "q 3"], target: Outline | ClosestPointMap
 ) -> Preference:
     """Return what a preference asks for.
 
     Parameters
     ----------
     name : str
-        smoothest, nearest, open or uniform.
+        smoothest, nearest, curvature, open or uniform.
     tessellation : Tessellation
     points : (q, 3)
         The sheet to start from, in tile edges: closest points, openings and sizes are wished for as seen from it.
-    outline : Outline, optional
-        That of a planar target, in tile edges.
+    target : Outline or ClosestPointMap
+        The outline of a planar target, which has no curvature to prefer, or the closest points of a curved one; in
+        tile edges.
     """
     if name == "smoothest":
         return Preference(Weights(fairness=1.0, proximity=1e-3), "fairness", "differences of neighboring tiles")
-    if name == "nearest" and outline is None:
+    if name == "curvature":
+        if isinstance(target, Outline):
+            raise ParameterError("prefer: expected a curved target for curvature, got a planar one")
+        projection = target.project(points[: tessellation.n_vertices])
+        loops = [indices for _, indices in surrounding_vertices(tessellation).by_size().values()]
+        bending = [HoleBending(indices, projection) for indices in loops]
+        says = "differences of the holes' curvature from the target's, times the tile edge"
+        return Preference(Weights(), HoleBending.name, says, tuple(Term(BENDING, block) for block in bending))
+    if name == "nearest" and not isinstance(target, Outline):
         weights = Weights(closeness=3.0, rim=1.0, reach=0.5, fairness=1e-3, proximity=1e-3)
         return Preference(weights, "surface", "distances to the target, in tile edges")
-    if name == "nearest" and outline is not None:
+    if name == "nearest" and isinstance(target, Outline):
         outer = tessellation.outline
-        near = OnOutline("nearest", outer, outline.project(points[outer, :2]))
+        near = OnOutline("nearest", outer, target.project(points[outer, :2]))
         says = "distances of outer vertices to the outline, in tile edges"
         return Preference(Weights(proximity=1e-3), near.name, says, (Term(1.0, near),))
     if name == "open":

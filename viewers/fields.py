@@ -17,7 +17,7 @@ _KNOWN: dict[str, tuple[str, int | str, bool]] = {
     "distance": ("distance to the target", 1, True),
     "distance_over_edge": ("distance to the target / tile edge", "", True),
     "closure_gap": ("closure gap", 1, False),
-    "residual_ring": ("ring residual", "rad", False),
+    "residual_ring": ("ring residual", "rad", True),
     "planarity": ("planarity / tile edge", "", False),
     "isometry": ("isometry / tile edge", "", False),
     "area": ("area", 2, False),
@@ -31,6 +31,14 @@ _KNOWN: dict[str, tuple[str, int | str, bool]] = {
     "area_magnification": ("area when open / area when closed", "", False),
     "asked_stretch": ("stretch that the target asks for", "", False),
     "flag": ("flag", "", False),
+    "principal_curvature_1": ("larger principal curvature", -1, True),
+    "principal_curvature_2": ("smaller principal curvature", -1, True),
+    "angle_excess": ("angle excess of the tile", "rad", True),
+    "angle_defect": ("curvature of the hole's cell by angles", "rad", True),
+    "gauss_image_area": ("curvature of the hole's cell by normals", "rad", True),
+    "integrated_gaussian_curvature": ("K integrated over the hole", "rad", True),
+    "target_integrated_gaussian_curvature": ("K of the target, integrated beneath", "rad", True),
+    "target_integrated_gaussian_curvature_cell": ("K of the target, integrated beneath the cell", "rad", True),
 }
 _CURVATURES = {"mean_curvature": ("mean curvature H", -1), "gaussian_curvature": ("Gaussian curvature K", -2)}
 _VARIANTS = {
@@ -38,6 +46,8 @@ _VARIANTS = {
     "{}_averaged": "{}, averaged over the hole",
     "target_{}": "{} of the target",
     "{}_difference": "{}, hole minus target",
+    "{}_from_patch": "{}, part of too few tiles",
+    "{}_from_fit": "{}, part of the fit",
 }
 _KNOWN |= {
     variant.format(name): (words.format(label), power, True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from viewers.fields import unit_label
 from viewers.words import number
 
-# name: (heading, what it is, power of the user's unit, or "deg", "%" or "edge", or "" for a ratio)
+# name: (heading, what it is, power of the user's unit, or "deg", "%", "rad" or "edge", or "" for a ratio)
 _NUMBERS: dict[str, tuple[str, str, int | str]] = {
     "edge_length": ("Tiles", "median edge", 1),
     "edge_length_min": ("Tiles", "shortest edge", 1),
@@ -38,17 +38,61 @@ _NUMBERS: dict[str, tuple[str, str, int | str]] = {
     "distance_mean_signed": ("Distance to the target", "mean, with its sign", "edge"),
     "n_flagged_holes": ("Curvature of the holes", "holes without a trustworthy patch", ""),
     "patch_residual_max": ("Curvature of the holes", "largest distance of a vertex to its patch", "edge"),
-    "integrated_gaussian_curvature": ("Curvature of the holes", "K integrated over the holes", ""),
-    "integrated_target_gaussian_curvature": ("Curvature of the holes", "K of the target, integrated likewise", ""),
+    "gaussian_curvature_target_share": ("Curvature of the holes", "K: part of it that is the target's, by area", "%"),
+    "mean_curvature_target_share": ("Curvature of the holes", "H: part of it that is the target's, by area", "%"),
+    "gaussian_curvature_correlation": ("Curvature of the holes", "K: correlation of holes and target", ""),
+    "mean_curvature_correlation": ("Curvature of the holes", "H: correlation of holes and target", ""),
     "gaussian_curvature_difference_median": ("Curvature of the holes", "median of |K of a hole - K of the target|", -2),
+    "gaussian_curvature_difference_relative": (
+        "Curvature of the holes",
+        "the same over the median |K| of the target",
+        "%",
+    ),
+    "gaussian_curvature_from_fit_median": ("Curvature of the holes", "its part from the fit, median", -2),
+    "gaussian_curvature_from_patch_median": ("Curvature of the holes", "its part from too few tiles, median", -2),
     "mean_curvature_difference_median": ("Curvature of the holes", "median of |H of a hole - H of the target|", -1),
-    "gaussian_curvature_difference_relative": ("Curvature of the holes", "the same over the median |K|", "%"),
-    "mean_curvature_difference_relative": ("Curvature of the holes", "the same over the median |H|", "%"),
+    "mean_curvature_difference_relative": ("Curvature of the holes", "the same over the median |H| of the target", "%"),
+    "mean_curvature_from_fit_median": ("Curvature of the holes", "its part from the fit, median", -1),
+    "mean_curvature_from_patch_median": ("Curvature of the holes", "its part from too few tiles, median", -1),
+    "integrated_gaussian_curvature": ("Integrated curvature", "K integrated over the holes' patches", "rad"),
+    "integrated_absolute_gaussian_curvature": ("Integrated curvature", "|K| integrated likewise", "rad"),
+    "integrated_target_gaussian_curvature": ("Integrated curvature", "K of the target times the holes' areas", "rad"),
+    "target_gaussian_curvature_total": ("Integrated curvature", "K of the target, all of it", "rad"),
+    "target_gaussian_curvature_under_tiles": ("Integrated curvature", "K of the target beneath the tiles", "rad"),
+    "target_gaussian_curvature_under_holes": ("Integrated curvature", "K of the target beneath the holes", "rad"),
+    "target_absolute_gaussian_curvature_total": ("Integrated curvature", "|K| of the target, all of it", "rad"),
+    "target_absolute_gaussian_curvature_under_tiles": (
+        "Integrated curvature",
+        "|K| of the target beneath the tiles",
+        "rad",
+    ),
+    "target_absolute_gaussian_curvature_under_holes": (
+        "Integrated curvature",
+        "|K| of the target beneath the holes",
+        "rad",
+    ),
+    "sheet_gaussian_curvature": ("Gauss-Bonnet", "curvature of the whole sheet, by angles", "rad"),
+    "sheet_gaussian_curvature_vertices": ("Gauss-Bonnet", "of it at inner vertices (angle defects)", "rad"),
+    "sheet_gaussian_curvature_holes": ("Gauss-Bonnet", "of it in holes (angle excess)", "rad"),
+    "sheet_gaussian_curvature_tiles": ("Gauss-Bonnet", "of it in tiles (angle excess)", "rad"),
+    "rim_turning": ("Gauss-Bonnet", "turning of the rim", "rad"),
+    "euler_characteristic": ("Gauss-Bonnet", "Euler characteristic", ""),
+    "gauss_bonnet_remainder": ("Gauss-Bonnet", "what is missing to 2\u03c0 \u00d7 Euler characteristic", "rad"),
+    "n_inner_holes": ("Gauss-Bonnet", "holes without a corner on the rim", ""),
+    "inner_target_gaussian_curvature": ("Gauss-Bonnet", "over their cells: K of the target", "rad"),
+    "inner_angle_defect": ("Gauss-Bonnet", "over their cells: the sheet by angles", "rad"),
+    "inner_gauss_image_area": ("Gauss-Bonnet", "over their cells: the sheet by normals", "rad"),
+    "inner_integrated_gaussian_curvature": ("Gauss-Bonnet", "of it within the holes' patches", "rad"),
+    "angle_defect_difference_median": ("Gauss-Bonnet", "median of |cell by angles - cell of the target|", "rad"),
+    "angle_defect_difference_relative": ("Gauss-Bonnet", "the same over the median of the target's cells", "%"),
+    "gauss_image_area_difference_median": ("Gauss-Bonnet", "median of |cell by normals - cell of the target|", "rad"),
+    "gauss_image_area_difference_relative": ("Gauss-Bonnet", "the same over the median of the target's cells", "%"),
 }
 _ORDER = {heading: k for k, heading in enumerate(dict.fromkeys(entry[0] for entry in _NUMBERS.values()))}
 _OTHER = "Other measures"
-CURVATURE = "Curvature of the holes"
-"""The heading of what a planar target has none of."""
+BALANCE = "Gauss-Bonnet"
+CURVED = ("Curvature of the holes", "Integrated curvature", BALANCE)
+"""The headings of what a planar target has none of."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +103,8 @@ class NumberRow:
     ----------
     name, heading, label, value, unit : str
         `value` is formatted; `unit` is empty for a ratio.
+    number : float or None
+        The value in that unit.
     """
 
     name: str
@@ -66,6 +112,7 @@ class NumberRow:
     label: str
     value: str
     unit: str
+    number: float | int | None = None
 
 
 def number_in_words(name: str, value: float | int | None, units: str = "unit") -> NumberRow:
@@ -93,7 +140,7 @@ def number_in_words(name: str, value: float | int | None, units: str = "unit") -
         value = {"deg": math.degrees(value), "%": 100 * value}.get(power, value)
     # an angle of 30 degrees comes out of radians with a rounding error in its last digit
     rounded = round(value, 9) if isinstance(value, float) and power == "deg" else value
-    return NumberRow(name, heading, label, number(rounded), unit)
+    return NumberRow(name, heading, label, number(rounded), unit, rounded)
 
 
 def measures_by_heading(numbers: Mapping[str, float | int | None], units: str = "unit") -> dict[str, list[NumberRow]]:
@@ -104,3 +151,6 @@ def measures_by_heading(numbers: Mapping[str, float | int | None], units: str = 
     for row in sorted(rows, key=lambda row: (_ORDER.get(row.heading, len(_ORDER)), order.get(row.name, len(order)))):
         found.setdefault(row.heading, []).append(row)
     return found
+
+
+CURVATURE = "Curvature of the holes"

@@ -43,6 +43,10 @@ class ReportParts:
         Why there are no pictures and how to get them.
     planar : bool or None
         Whether the target is a planar outline, which has no curvature; by default this follows from the fields.
+    spec : mapping
+        The options of the fit.
+    seconds : mapping of str to float
+        Shown where runs are compared: the same design gives the same report, whatever the time it took.
     """
 
     title: str
@@ -62,6 +66,8 @@ class ReportParts:
     sheet_size: tuple[float, float] | None = None
     no_pictures: str = ""
     planar: bool | None = None
+    spec: Mapping[str, Any] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -130,6 +136,27 @@ def certificate_rows(parts: ReportParts) -> list[CertificateRow]:
     ]
 
 
+def status_sentence(parts: ReportParts) -> str:
+    """Return how the solve ended, without the certificate's sentences, which a record repeats after it."""
+    sentence = str(parts.result.get("reason") or parts.result.get("status") or "")
+    for failure in parts.failures or ():
+        sentence = sentence.replace(f"{failure}.", "").strip()
+    return sentence
+
+
+def designed_gap(parts: ReportParts) -> dict[str, float] | None:
+    """Return what of the gaps in the flat sheet is there by design, `designed`, and the `rest`; over the tiles' area.
+
+    None where nothing is designed: the gaps are within their limit, or the judge objects to them.
+    """
+    gap, limit = parts.certificate.get("gap_contracted"), parts.limits.get("gap_contracted")
+    fails = any(sentence.startswith("gap_contracted:") for sentence in parts.failures or ())
+    if gap is None or limit is None or gap <= limit or fails or parts.failures is None:
+        return None
+    told = parts.result.get("certificate_beside", {}).get("gap_designed")
+    return {} if told is None else {"designed": told, "rest": abs(gap - told)}
+
+
 def feasibility(parts: ReportParts) -> Feasibility | None:
     """Return what was said before solving, from the result's `feasibility`, or None where nothing was.
 
@@ -143,7 +170,7 @@ def feasibility(parts: ReportParts) -> Feasibility | None:
     if isinstance(spread, (list, tuple)):
         asked = " to ".join(number(value) for value in spread)
     else:
-        asked = "" if spread is None else f"largest {number(spread)} times the smallest"
+        asked = "" if spread is None else f"the largest is {number(spread)} times the smallest"
     return Feasibility(
         sentence=str(found.get("sentence") or ""),
         advice=str(found.get("advice") or ""),

@@ -1,4 +1,4 @@
-"""Reports: one self-contained HTML file for a run, or a comparison of several.
+"""Reports: one self-contained HTML file for a run, or a comparison of several; or all their numbers as JSON.
 
 Pictures are embedded, nothing is loaded from anywhere and no script runs: the file can be mailed, printed
 and kept.
@@ -6,49 +6,32 @@ and kept.
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kirisurf.errors import OutputError, ParameterError
+from kirisurf.errors import ParameterError
 from viewers import charts
 from viewers.fields import unit_label
-from viewers.number_words import CURVATURE, measures_by_heading
-from viewers.parts import (
-    CurvatureSummary,
-    ReportParts,
-    certificate_rows,
-    curvature_summary,
-    feasibility,
-    is_planar,
-    passed,
-    verdict,
-)
-from viewers.words import CAPTIONS, PLANAR_CAPTIONS, number, row_in_words
+from viewers.number_words import BALANCE, CURVED, measures_by_heading
+from viewers.parts import ReportParts, certificate_rows, designed_gap, feasibility, is_planar
+from viewers.report_charts import balance_chart, residence_chart
+from viewers.report_comparison import comparison_html, comparison_numbers
+from viewers.report_facts import facts, largest_differences
+from viewers.report_numbers import POWERS, good_curvatures, report_numbers
+from viewers.report_page import Picture, chart_picture, embed, page_template, shower
+from viewers.words import CAPTIONS, OPEN_CAPTIONS, PLANAR_CAPTIONS
 
-__all__ = ["Picture", "ReportParts", "comparison_html", "embed", "report_html", "write_report"]
+__all__ = ["Picture", "ReportParts", "comparison_html", "embed", "report_html", "report_numbers", "write_report"]
 
-_MEDIA = {".png": "image/png", ".svg": "image/svg+xml", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
-FIRST_ROWS = 12
-_CURVED = ("mean_curvature", "gaussian_curvature")
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture in the page: a data: address, its caption and the text that stands for it."""
-
-    name: str
-    address: str
-    caption: str
-    wide: bool = False
+SHEET_PICTURES = ("target", "pattern", "deployed", "asked_stretch")
+_DISTANCES = ("distance_rms", "distance_max", "reach_rms", "reach_max", "coverage", "coverage_strict")
 
 
 def write_report(parts: ReportParts | Sequence[ReportParts], path: Path | str) -> Path:
-    """Write the report of one run, or the comparison of several, as one HTML file.
+    """Write the report of one run, or the comparison of several, as one HTML file; or its numbers, by the suffix .json.
 
     Parameters
     ----------
@@ -67,174 +50,164 @@ def write_report(parts: ReportParts | Sequence[ReportParts], path: Path | str) -
         Where a picture cannot be read or the file cannot be written.
     """
     from kirisurf.formats.atomic import write_text
+    from kirisurf.runs.record import json_text
 
-    html = report_html(parts) if isinstance(parts, ReportParts) else comparison_html(parts)
-    write_text(Path(path), html)
+    runs = (parts,) if isinstance(parts, ReportParts) else tuple(parts)
+    if not runs:
+        raise ParameterError("report: expected at least one run, got none")
+    if Path(path).suffix.lower() == ".json":
+        text = json_text(report_numbers(runs[0]) if len(runs) == 1 else comparison_numbers(runs))
+    else:
+        text = report_html(runs[0]) if len(runs) == 1 else comparison_html(runs)
+    write_text(Path(path), text)
     return Path(path)
 
 
 def report_html(parts: ReportParts) -> str:
     """Return the page of one run; see `write_report`."""
-    summary = curvature_summary(parts)
+    numbers, planar = report_numbers(parts), is_planar(parts)
+    show = shower(numbers)
+    pictures = parts.pictures
+    captions = _captions(parts, planar)
     rows = certificate_rows(parts)
-    planar = is_planar(parts)
-    return _template("report.html").render(
+    distance = [row for row in rows if row.name in _DISTANCES and parts.certificate.get(row.name) is not None]
+    return page_template("report.html").render(
         parts=parts,
-        verdict=verdict(parts),
-        passed=passed(parts),
-        rows=rows,
+        numbers=numbers,
+        show=show,
         planar=planar,
-        feasibility=feasibility(parts),
-        pictures=_in_grid(
-            [
-                _with_share(embed(name, Path(file), planar), summary, parts.units)
-                for name, file in _shown(parts.pictures, planar).items()
-            ]
-        ),
-        measures={
-            heading: rows
-            for heading, rows in measures_by_heading(parts.numbers, parts.units).items()
-            if not (planar and heading == CURVATURE)
-        },
+        facts=facts(parts, numbers, show),
+        captions=captions,
+        sheet_pictures=_sheet_pictures(pictures, captions),
+        no_pictures=_no_pictures(parts),
+        map_groups=[] if planar else _map_groups(parts, captions),
         charts=[] if planar else _charts(parts),
-        summary=summary,
-        history=_address("image/svg+xml", charts.residual_history(parts.history).encode()) if parts.history else "",
-        table=_table(parts),
-        result=parts.result,
+        largest=None if planar else largest_differences(numbers, show, parts.units),
+        balance_chart=None if planar else _balance(parts),
+        residence_chart=_residence(numbers),
+        residence_picture=_picture(pictures, "residence", captions),
+        residuals_picture=_picture(pictures, "residuals", captions),
+        distance_picture=_picture(pictures, "distance", captions),
+        distance_range=_range_words(numbers["maps"].get("distance")),
+        distance_rows=[] if planar else distance,
+        rows=rows,
+        gap=designed_gap(parts),
+        feasibility=_feasibility(parts),
+        notes=_notes(parts),
+        measures={
+            heading: found
+            for heading, found in measures_by_heading(parts.numbers, parts.units).items()
+            if not (planar and heading in CURVED) and not ("balance" in numbers and heading == BALANCE)
+        },
+        history=chart_picture("history", charts.residual_history(parts.history), "Residuals over the steps")
+        if parts.history
+        else None,
     )
 
 
-def comparison_html(runs: Sequence[ReportParts]) -> str:
-    """Return the page that compares several runs, one column each; see `write_report`."""
-    runs = tuple(runs)
-    if not runs:
-        raise ParameterError("report: expected at least one run, got none")
-    if len(runs) == 1:
-        return report_html(runs[0])
-    names = list(dict.fromkeys(name for run in runs for name in run.certificate))
-    table = [
-        [row_in_words(name, run.certificate.get(name), run.limits.get(name), run.failures) for run in runs]
-        for name in names
-    ]
-    pictures = []
-    for run in runs:
-        planar = is_planar(run)
-        shown = _shown(run.pictures, planar) if planar else run.pictures
-        chosen = [name for name in ("deployed", "gaussian_curvature", "overview") if name in shown][:2]
-        pictures.append([embed(name, Path(run.pictures[name]), planar) for name in chosen])
-    return _template("comparison.html").render(
-        runs=runs,
-        table=table,
-        pictures=pictures,
-        verdicts=[verdict(run) for run in runs],
-        passed=[passed(run) for run in runs],
-        summaries=[curvature_summary(run) for run in runs],
-    )
+def _captions(parts: ReportParts, planar: bool) -> dict[str, str]:
+    captions = CAPTIONS | (PLANAR_CAPTIONS if planar else {})
+    if designed_gap(parts) is not None:
+        captions |= {"pattern": OPEN_CAPTIONS["pattern"]}
+        captions |= {} if planar else {"deployed": OPEN_CAPTIONS["deployed"]}
+    return captions
 
 
-def embed(name: str, file: Path, planar: bool = False) -> Picture:
-    """Return a picture file as part of the page.
-
-    Raises
-    ------
-    ParameterError
-        Where the suffix is not .png, .jpg or .svg.
-    OutputError
-        Where the file cannot be read.
-    """
-    media = _MEDIA.get(file.suffix.lower())
-    if media is None:
-        raise ParameterError(f"picture {name}: expected a file of kind {', '.join(_MEDIA)}, got {file.name}")
-    try:
-        content = file.read_bytes()
-    except OSError as problem:
-        raise OutputError(f"picture {name}: expected a readable file, got {problem.strerror or problem}") from None
-    captions = {**CAPTIONS, **PLANAR_CAPTIONS} if planar else CAPTIONS
-    return Picture(name, _address(media, content), captions.get(name, name.replace("_", " ")), name == "overview")
+def _picture(pictures: Mapping[str, Path], name: str, captions: Mapping[str, str]) -> Picture | None:
+    return embed(name, Path(pictures[name]), captions.get(name, "")) if name in pictures else None
 
 
-def _shown(pictures: Mapping[str, Path], planar: bool) -> Mapping[str, Path]:
-    """The pictures to show: no curvature of a plane, the overview only where it does not repeat what stands below."""
-    single = {name: file for name, file in pictures.items() if not (planar and name in _CURVED)}
-    alone = {name: file for name, file in single.items() if name != "overview"}
-    return alone if len(alone) >= 3 else single
+def _sheet_pictures(pictures: Mapping[str, Path], captions: Mapping[str, str]) -> list[tuple[Picture, str, bool]]:
+    """Pictures of target and sheet, with captions; of an odd number the deployed sheet leads, across both columns."""
+    known = {"overview", "distance", "residuals", "residence"}
+    names = [name for name in SHEET_PICTURES if name in pictures]
+    names += [name for name in pictures if name not in names and name not in known and "curvature" not in name]
+    if len(names) < 2 and "overview" in pictures:
+        names = ["overview", *names]
+    wide = names[:1] if names[:1] == ["overview"] else []
+    if len(names) > 1 and len(names) % 2 and "deployed" in names and not wide:
+        names = ["deployed", *(name for name in names if name != "deployed")]
+        wide = names[:1]
+    made = [(embed(name, Path(pictures[name]), captions.get(name, "")), name) for name in names]
+    return [(picture, captions.get(name, name.replace("_", " ")), name in wide) for picture, name in made]
 
 
-def _in_grid(pictures: list[Picture]) -> list[Picture]:
-    """Pictures for a grid of two columns: of an odd number the deployed sheet leads, across both of them."""
-    narrow = [picture for picture in pictures if not picture.wide]
-    lead = next((picture for picture in narrow if picture.name == "deployed"), None)
-    if lead is None or len(narrow) % 2 == 0 or len(narrow) == 1:
-        return pictures
-    return [replace(lead, wide=True), *(picture for picture in pictures if picture is not lead)]
+def _no_pictures(parts: ReportParts) -> str:
+    if parts.pictures:
+        return ""
+    reason = parts.no_pictures or "They were not drawn."
+    return f"This report has no pictures. {reason} Where they can be drawn, kirisurf report RUN writes it with them."
 
 
-def _with_share(picture: Picture, summary: CurvatureSummary | None, units: str) -> Picture:
-    """Say beside a map of curvature how much of it is the target's and how much the fit's."""
-    if summary is None or picture.name not in ("mean_curvature", "gaussian_curvature"):
-        return picture
-    letter, power = ("H", -1) if picture.name == "mean_curvature" else ("K", -2)
-    target, difference = summary.mean if power == -1 else summary.gaussian
-    unit = unit_label(power, units)
-    share = f" ({100 * difference / target:.2g} %)" if target > 0 else ""
-    words = (
-        f"{picture.caption} In the median, |{letter}| of the target is {number(target)} {unit}; "
-        f"the holes differ from it by {number(difference)} {unit}{share}: that part is the fit."
-    )
-    return replace(picture, caption=words)
+def _map_groups(parts: ReportParts, captions: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Rows of maps: holes, target, difference."""
+    groups = []
+    for name, title in (("gaussian_curvature", "Gaussian curvature"), ("mean_curvature", "Mean curvature")):
+        keys = [key for key in (name, f"target_{name}", f"{name}_difference") if key in parts.pictures]
+        texts = {key: f"Map of {key.replace('_', ' ').replace('gaussian', 'Gaussian')}" for key in keys}
+        if keys:
+            pictures = [(key, embed(key, Path(parts.pictures[key]), texts[key])) for key in keys]
+            groups.append({"title": title, "words": captions[name], "pictures": pictures})
+    return groups
 
 
-def _address(media: str, content: bytes) -> str:
-    return f"data:{media};base64,{base64.b64encode(content).decode('ascii')}"
-
-
-def _charts(parts: ReportParts) -> list[tuple[str, str]]:
-    """Addresses and texts of the curvature charts."""
+def _charts(parts: ReportParts) -> list[Picture]:
+    """Scatter and histogram of both curvatures."""
     out = []
-    kinds = (("gaussian_curvature", "Gaussian curvature", -2), ("mean_curvature", "mean curvature", -1))
-    for name, label, power in kinds:
-        hole, target = parts.fields.get(("hole", name)), parts.fields.get(("hole", f"target_{name}"))
-        if hole is None or target is None or not len(hole):
+    for name, symbol in (("gaussian_curvature", "K"), ("mean_curvature", "H")):
+        title = f"{'Gaussian' if symbol == 'K' else 'Mean'} curvature {symbol}"
+        values = good_curvatures(parts, name)
+        if values is None:
             continue
-        flag = np.asarray(parts.fields.get(("hole", "flag"), np.zeros(len(hole))))
-        hole, target = np.where(flag == 0, hole, np.nan), np.asarray(target, float)
-        unit = unit_label(power, parts.units)
-        capital = label[0].upper() + label[1:]
-        for svg, words in (
-            (charts.curvature_scatter(hole, target, capital, unit), f"{capital} of the holes over that of the target"),
-            (charts.curvature_histogram(hole, target, capital, unit), f"How often each {label} occurs"),
+        unit = unit_label(POWERS[name], parts.units)
+        for kind, svg in (
+            ("scatter", charts.curvature_scatter(*values, title, unit)),
+            ("histogram", charts.curvature_histogram(*values, symbol, unit)),
         ):
-            out.append((_address("image/svg+xml", svg.encode()), words))
+            out.append(chart_picture(f"{name}_{kind}", svg, f"{symbol} of the holes and of the target: {kind}"))
     return out
 
 
-def _table(parts: ReportParts) -> dict[str, Any] | None:
-    rows = list(parts.tables.get("curvature", ()))
-    if not rows:
+def _balance(parts: ReportParts) -> Picture | None:
+    fields = parts.fields
+    defects = fields.get(("hole", "angle_defect"))
+    target = fields.get(("hole", "target_integrated_gaussian_curvature_cell"))
+    if defects is None or target is None or not (np.isfinite(defects) & np.isfinite(target)).any():
         return None
-    columns = list(rows[0])
-    return {
-        "columns": [column.replace("_", " ").replace("gaussian", "Gaussian") for column in columns],
-        "rows": [[number(_plain(row.get(column))) for column in columns] for row in rows[:FIRST_ROWS]],
-        "total": len(rows),
-    }
+    words = "Angle defect of every cell over the integrated curvature of the target"
+    return chart_picture("balance", balance_chart(np.asarray(defects, float), np.asarray(target, float)), words)
 
 
-def _plain(value: object) -> object:
-    return value.item() if isinstance(value, np.generic) else value
+def _residence(numbers: Mapping[str, Any]) -> Picture | None:
+    shares = numbers.get("residence")
+    if shares is None:
+        return None
+    return chart_picture("residence", residence_chart(shares), "Parts of area and curvature in tiles and in holes")
 
 
-def _template(name: str) -> Any:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+def _range_words(found: Mapping[str, Any] | None) -> str:
+    return f"Range of colors: {found['range'].removeprefix('range: ')}." if found and found["range"] else ""
 
-    environment = Environment(
-        loader=PackageLoader("viewers", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["number"] = lambda value: number(_plain(value))
-    environment.filters["percent"] = lambda value: f"{100 * value:.2g} %"
-    environment.filters["unit"] = lambda power, units: unit_label(power, units)
-    return environment.get_template(name)
+
+def _feasibility(parts: ReportParts) -> dict[str, str] | None:
+    """What was known before the solve: the advice, and the sentence as it was said where its numbers are not all known.
+
+    Where they are, the page says it with them.
+    """
+    found = feasibility(parts)
+    if found is None:
+        return None
+    told = parts.result["feasibility"]
+    known = all(isinstance(told.get(key), (int, float)) for key in ("least", "most", "spread", "outside"))
+    more = [f"What the target asks: {found.asked}."] if found.asked else []
+    more += [f"What the tessellation gives: {found.possible}."] if found.possible else []
+    more += [f"Part of the target that asks for more or less: {found.outside}."] if found.outside else []
+    words = "" if known else " ".join([found.sentence or "It was not said.", *more])
+    return {"words": words, "advice": found.advice}
+
+
+def _notes(parts: ReportParts) -> list[str]:
+    """The notes, without what the section on feasibility says already."""
+    found = feasibility(parts)
+    said = () if found is None else (found.sentence, found.advice, f"{found.sentence} {found.advice}".strip())
+    return [sentence for sentence in parts.notes if sentence not in said]

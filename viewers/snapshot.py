@@ -22,7 +22,10 @@ from viewers.scenes import Scene
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZE = (1600, 1200)
+SIZE = (1360, 1020)
+LINES, LINES_OF_PANEL = 36.0, 26.0
+"""Lines of text that would fit across a picture, and across one panel of an overview: fewer are larger letters."""
+
 SUPERSAMPLING = 2
 _DPI = 100.0
 
@@ -33,7 +36,7 @@ class NoOpenGLError(KirisurfError):
     exit_code = 1
 
 
-def render(scene: Scene, path: Path | str, size: tuple[int, int] = SIZE) -> Path:
+def render(scene: Scene, path: Path | str, size: tuple[int, int] = SIZE, lines: float = LINES) -> Path:
     """Write a scene as a PNG picture with title, color bar and scale bar.
 
     Parameters
@@ -43,6 +46,8 @@ def render(scene: Scene, path: Path | str, size: tuple[int, int] = SIZE) -> Path
         Replaced as a whole, or left alone where writing fails.
     size : (int, int)
         Width and height in pixels.
+    lines : float
+        Width of the picture over the height of a line of its text.
 
     Returns
     -------
@@ -55,7 +60,7 @@ def render(scene: Scene, path: Path | str, size: tuple[int, int] = SIZE) -> Path
     OutputError
         Where the file cannot be written.
     """
-    return _save(_page([scene], size, 1), path)
+    return _save(_page([scene], size, 1, lines), path)
 
 
 def render_overview(
@@ -63,6 +68,7 @@ def render_overview(
     path: Path | str,
     columns: int = 5,
     panel: tuple[int, int] = (640, 600),
+    lines: float = LINES_OF_PANEL,
 ) -> Path:
     """Write several scenes as one picture at one scale, `columns` in a row; raises as `render`.
 
@@ -73,13 +79,15 @@ def render_overview(
     columns : int
     panel : (int, int)
         Width and height of one scene in pixels.
+    lines : float
+        Width of a panel over the height of a line of its text.
     """
     scenes = list(scenes.values()) if isinstance(scenes, Mapping) else list(scenes)
     if not scenes or columns < 1:
         raise ParameterError(f"overview: expected scenes and columns, got {len(scenes)} scenes and {columns} columns")
     columns = min(columns, len(scenes))
     rows = -(-len(scenes) // columns)
-    return _save(_page(scenes, (panel[0] * columns, panel[1] * rows), columns), path)
+    return _save(_page(scenes, (panel[0] * columns, panel[1] * rows), columns, lines), path)
 
 
 def draw(
@@ -146,7 +154,7 @@ class _Panel:
         return self.line * 72.0 / _DPI
 
 
-def _page(scenes: Sequence[Scene], size: tuple[int, int], columns: int) -> Figure:
+def _page(scenes: Sequence[Scene], size: tuple[int, int], columns: int, lines: float = LINES_OF_PANEL) -> Figure:
     """Lay scenes out on a page: title above, picture, and below it scale bar, color bar and note."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -154,7 +162,7 @@ def _page(scenes: Sequence[Scene], size: tuple[int, int], columns: int) -> Figur
     width, height = size
     rows = -(-len(scenes) // columns)
     w, h = width / columns, height / rows
-    line = max(8.0, min(w, 1.2 * h) / (46.0 if columns == 1 else 29.0))
+    line = max(8.0, min(w, 1.2 * h) / lines)
     figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor=theme.PAPER)
     FigureCanvasAgg(figure)
     panels = [_Panel(k % columns * w, height - (k // columns + 1) * h, w, h, line) for k in range(len(scenes))]
@@ -173,7 +181,9 @@ def _page(scenes: Sequence[Scene], size: tuple[int, int], columns: int) -> Figur
         note = scene.note
         if scene.field is not None:
             _color_bar(figure, panel, scene.field)
-            note = "; ".join(part for part in (note, scene.field.range_note) if part)
+            both = "; ".join(part for part in (note, scene.field.range_note) if part)
+            # a letter is about half as wide as its size; what does not fit is said in the caption of the report
+            note = both if 0.36 * line * len(both) <= inner[0] else note
         _write(figure, panel.x + inner[0], panel.base + 0.55 * line, note, 0.7 * panel.points, theme.MUTED, "right")
     return figure
 
@@ -223,7 +233,7 @@ def _color_bar(figure: Figure, panel: _Panel, field: Field) -> None:
         orientation="horizontal",
         extend=extend[field.exceeds],
         extendfrac=0.035,
-        ticks=MaxNLocator(5, symmetric=field.signed),
+        ticks=MaxNLocator(max(2, min(5, int(0.19 * inner / line))), symmetric=field.signed),
         format=formatter,
     )
     bar.outline.set_visible(False)
@@ -232,7 +242,8 @@ def _color_bar(figure: Figure, panel: _Panel, field: Field) -> None:
     small = 0.8 * panel.points
     axes.tick_params(labelsize=small, labelcolor=theme.INK, length=0.2 * small, width=0.6, color=theme.MUTED)
     axes.xaxis.get_offset_text().set_visible(False)
-    figure.canvas.draw()
+    # drawing the whole page to learn the power of ten would take as long as writing it
+    formatter.set_locs(axes.xaxis.get_majorticklocs())
     power = formatter.get_offset()
     unit = " ".join(part for part in (power, field.unit) if part)
     figure.text(
@@ -255,6 +266,6 @@ def _save(figure: Figure, path: Path | str) -> Path:
 
 
 def _averaged(image: np.ndarray, factor: int) -> np.ndarray:
-    h, w, c = image.shape
-    blocks = image.reshape(h // factor, factor, w // factor, factor, c)
-    return np.rint(blocks.mean(axis=(1, 3), dtype=np.float32)).astype(np.uint8)
+    from PIL import Image
+
+    return np.asarray(Image.fromarray(np.ascontiguousarray(image)).reduce(factor))

@@ -6,23 +6,34 @@ from dataclasses import dataclass
 
 CAPTIONS = {
     "overview": "All at one scale: the target, the flat sheet, the deployed sheet, and the curvature of its holes.",
-    "target": "The target surface as it was read.",
+    "target": "The target as it was read.",
     "pattern": "The flat, closed sheet. Every line is a cut; at the corners of the tiles a hinge stays.",
     "deployed": "The sheet, opened, on the target. The gaps between the tiles are the opened slits.",
-    "mean_curvature": "Every hole, filled by a smooth patch and colored by its mean curvature at its center. "
-    "Positive where the patch bends toward the normal of the target.",
-    "gaussian_curvature": "Every hole, filled by a smooth patch and colored by its Gaussian curvature at its center. "
-    "Positive like a dome, negative like a saddle.",
-    "distance": "How far the vertices of the sheet lie above (+) or below (-) the target.",
     "asked_stretch": "How much longer than the flat sheet the target is at every place. The marks on the color bar are "
     "the ends of what this tessellation can give.",
+    "mean_curvature": "Positive where the surface bends toward the normal of the target. Holes and target share one "
+    "color scale, white at zero.",
+    "gaussian_curvature": "Positive like a dome, negative like a saddle. Holes and target share one color scale, white "
+    "at zero.",
+    "distance": "How far the sheet lies above (+) or below (\u2212) the target. Gray: holes.",
+    "residence": "Integrated Gaussian curvature of every tile and hole, of the target beneath and of the sheet.",
+    "residuals": "Distance of corners to their tile's plane and change of a tile's lengths, over L; angles round a "
+    "vertex without 2\u03c0; distance of the copies of a vertex in the flat sheet.",
 }
 
 PLANAR_CAPTIONS = {
     "overview": "All at one scale: the target, the flat sheet, and the deployed sheet.",
-    "target": "The target's outline as it was read.",
-    "deployed": "The sheet, opened, from above, with the target's outline over it.",
+    "target": "The outline of the target as it was read.",
+    "deployed": "The sheet, opened, from above, with the outline of the target over it.",
 }
+
+OPEN_CAPTIONS = {
+    "pattern": "The flat, closed sheet. Every line is a cut; at the corners of the tiles a hinge stays. What is open "
+    "here is so by design.",
+    "deployed": "The sheet, opened, on the target. The gaps between the tiles are the opened slits, and openings by "
+    "design.",
+}
+"""Of patterns that keep openings when they are flat."""
 
 OPTIONAL = frozenset({"loop", "boundary", "contracted_boundary"})
 """Rows that only some designs have: a null there means that the row does not apply."""
@@ -61,10 +72,14 @@ _ROWS = {
     ),
     "overlap_contracted": (
         "No overlap when flat",
-        "Area where tiles of the flat sheet lie on each other.",
+        "Area where tiles of the flat sheet lie on each other, over that of the tiles.",
         "of the tiles' area",
     ),
-    "gap_contracted": ("No gaps when flat", "Area inside the flat outline that no tile covers.", "of the tiles' area"),
+    "gap_contracted": (
+        "No gaps when flat",
+        "Area inside the flat outline that no tile covers, over that of the tiles.",
+        "of the tiles' area",
+    ),
     "loop": ("Designed openings close", "How well the outline of every designed opening closes.", "of a tile edge"),
     "boundary": (
         "The rim lies on the outline",
@@ -122,7 +137,7 @@ class CertificateRow:
     ----------
     name, title, meaning, unit : str
     value, limit : str
-        Formatted.
+        Formatted, the limit with its relation.
     verdict : str
         pass, fail, unchecked, none (does not apply) or info (no limit).
     mark, verdict_word : str
@@ -138,6 +153,16 @@ class CertificateRow:
     verdict: str
     mark: str
     verdict_word: str
+
+    @property
+    def short_unit(self) -> str:
+        """L for a length over the median tile edge, rad for an angle; empty for counts and shares."""
+        return {"of a tile edge": "L", "rad": "rad"}.get(self.unit, "")
+
+    @property
+    def relation(self) -> str:
+        """How the value has to stand to its limit."""
+        return ">" if self.name == "opening_min" else "\u2265" if self.name in AT_LEAST else "\u2264"
 
 
 def row_in_words(
@@ -191,12 +216,14 @@ def _holds(name: str, value: float | int, limit: float | int) -> bool:
 
 
 def number(value: object) -> str:
-    """Format a number with three significant digits; whole numbers and text as they are; NaN as a dash.
+    """Format a number with three significant digits, all those before the point up to 100000.
+
+    Whole numbers and text stay as they are; what is not a number is a dash.
 
     Examples
     --------
-    >>> number(0.123456), number(2.0), number(5e-9)
-    ('0.123', '2', '5e-9')
+    >>> number(0.123456), number(2.0), number(5e-9), number(1079.6)
+    ('0.123', '2', '5e-9', '1080')
     """
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return str(value) if value is not None else "\u2013"
@@ -204,5 +231,5 @@ def number(value: object) -> str:
         return "\u2013"
     if isinstance(value, int) or (value == int(value) if abs(value) < 1e15 else False):
         return f"{int(value)}"
-    text = f"{value:.3g}"
+    text = f"{value:.0f}" if 999.5 <= abs(value) < 1e5 else f"{value:.3g}"
     return text.replace("e-0", "e-").replace("e+0", "e")

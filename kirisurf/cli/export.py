@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from kirisurf.cli.output import Outcome, Output
-from kirisurf.cli.parser import add_command, number, value
+from kirisurf.cli.parser import add_command, number, value, whole
 from kirisurf.errors import ParameterError
 from kirisurf.sheet import Sheet
 from kirisurf.units import UNITS
@@ -19,6 +19,9 @@ The suffix chooses what is written:
   .stl   the tiles of a state as triangles; with --thickness a solid to print: thick tiles, thin hinges
   .obj   the tiles of a state as polygons, full precision
   .vtp   the same with every named field, for ParaView and pyvista
+  .vtm   tiles, holes, target and flat tiles in one, as named blocks (the blocks lie in a folder beside it)
+  .pvd   the sheet opening, as a time series for ParaView (likewise): interpolated between the two states,
+         for the eye; every frame says how far from rigid its tiles are
   .csv   the curvature of every hole
 
 OBJ, VTP and STL hold the flat sheet unless --state deployed is given. Lengths are those of the finished
@@ -29,7 +32,8 @@ _EXAMPLES = """\
   kirisurf export runs/hood --to hood.svg hood.dxf --hinge-width 0.8 --kerf 0.15
   kirisurf export runs/hood --to hood.dxf --fit-sheet 600x400 --scale max
   kirisurf export runs/hood --to print.stl --thickness 3 --hinge-thickness 0.6
-  kirisurf export runs/hood --to hood.stl hood.vtp --state deployed"""
+  kirisurf export runs/hood --to hood.stl hood.vtp --state deployed
+  kirisurf export runs/hood --to hood.vtm opening.pvd --frames 61"""
 
 
 def add(commands: Any) -> None:
@@ -41,6 +45,10 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--state", metavar="NAME", help="contracted (default) or deployed, for OBJ, VTP and STL")
     parser.add_argument("--overwrite", action="store_true", help="replace files that exist (never those of a run)")
+
+    parser.add_argument(
+        "--frames", metavar="N", type=whole, help="frames of a time series (PVD), from closed to open; default: 31"
+    )
 
     cutting = parser.add_argument_group("cutting files and solids")
     cutting.add_argument(
@@ -89,7 +97,7 @@ def _scale(text: str) -> float | str:
 
 def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     """Run the command."""
-    from kirisurf.exporting import check_free, check_names, export_with_remarks
+    from kirisurf.exporting import FRAMES, check_free, check_names, export_with_remarks
     from kirisurf.fabrication import Fabrication
     from kirisurf.runs import read_run
 
@@ -103,14 +111,15 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
         hinge_thickness=arguments.hinge_thickness,
         gap=arguments.gap,
     )
-    check_names(arguments.to, arguments.state, making)
+    frames = FRAMES if arguments.frames is None else arguments.frames
+    check_names(arguments.to, arguments.state, making, frames)
     check_free(arguments.to, arguments.folder, arguments.overwrite)
     run_read = read_run(arguments.folder)
     units = making.units or run_read.spec.units or "mm (assumed)"
     warnings: list[str] = []
     sizes: dict[str, Any] = {}
     for path in arguments.to:
-        written = export_with_remarks(run_read, path, arguments.state, making)
+        written = export_with_remarks(run_read, path, arguments.state, making, frames)
         output.product(path)
         if written.placement is not None:
             placed = written.placement

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ def to_polydata(
     loops: Loops,
     point_fields: Mapping[str, ArrayLike] | None = None,
     cell_fields: Mapping[str, ArrayLike] | None = None,
+    about: Mapping[str, ArrayLike | Sequence[str]] | None = None,
 ) -> pyvista.PolyData:
     """Build a PolyData of polygons with named fields, in double precision.
 
@@ -36,6 +37,8 @@ def to_polydata(
         One polygon each.
     point_fields, cell_fields : mapping of str to (n, ...) or (t, ...)
         Numbers or booleans, one row per point or polygon.
+    about : mapping of str to numbers or texts
+        Field data: what the mesh says about itself, such as its units.
 
     Raises
     ------
@@ -53,6 +56,7 @@ def to_polydata(
         data.point_data[key] = values
     for key, values in cells_rows.items():
         data.cell_data[key] = values
+    add_about(data, about or {})
     return data
 
 
@@ -70,6 +74,48 @@ def checked_parts(
         _checked_fields(point_fields or {}, len(vertices), "point"),
         _checked_fields(cell_fields or {}, len(loops), "polygon"),
     )
+
+
+def add_about(data: Any, about: Mapping[str, ArrayLike | Sequence[str]]) -> None:
+    """Add field data to a VTK data set: texts in any script, which pyvista's own door does not let in.
+
+    Raises
+    ------
+    UnusableError
+        Where an entry is neither texts nor numbers.
+    """
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkStringArray
+
+    for key, entries in checked_about(about).items():
+        if isinstance(entries, list):
+            array = vtkStringArray()
+            for entry in entries:
+                array.InsertNextValue(entry)
+        else:
+            array = numpy_to_vtk(np.array(entries), deep=True)
+        array.SetName(key)
+        data.GetFieldData().AddArray(array)
+
+
+def checked_about(about: Mapping[str, ArrayLike | Sequence[str]]) -> dict[str, np.ndarray | list[str]]:
+    """Check what a mesh says about itself: lists of texts, or numbers in rows.
+
+    Raises
+    ------
+    UnusableError
+        Where an entry is neither.
+    """
+    found: dict[str, np.ndarray | list[str]] = {}
+    for key, entries in about.items():
+        if isinstance(entries, (list, tuple)) and entries and all(isinstance(entry, str) for entry in entries):
+            found[key] = [str(entry) for entry in entries]
+            continue
+        array = np.asarray(entries)
+        if array.dtype.kind not in "iuf" or array.ndim not in (1, 2):
+            raise UnusableError(f"{key}: expected texts or rows of numbers, got {array.dtype} of shape {array.shape}")
+        found[key] = np.ascontiguousarray(array)
+    return found
 
 
 def spatial(points: ArrayLike) -> np.ndarray:

@@ -33,11 +33,14 @@ class PolygonsWithFields:
     polygons : Polygons
     point_fields, cell_fields : mapping of str to array
         One row per vertex, or per polygon.
+    about : mapping of str to array or list of str
+        Field data: what the file says about itself.
     """
 
     polygons: Polygons
     point_fields: Mapping[str, np.ndarray]
     cell_fields: Mapping[str, np.ndarray]
+    about: Mapping[str, np.ndarray | list[str]]
 
 
 def read(source: Source) -> Polygons:
@@ -46,7 +49,7 @@ def read(source: Source) -> Polygons:
 
 
 def read_with_fields(source: Source) -> PolygonsWithFields:
-    """Read points, polygons and every numeric array of points and cells.
+    """Read points, polygons, every numeric array of points and cells, and the field data.
 
     Raises
     ------
@@ -86,7 +89,8 @@ def read_with_fields(source: Source) -> PolygonsWithFields:
         fields[where] = {
             key: found[stored] for key, stored in ended.answer["fields"][where].items() if len(found[stored]) == rows
         }
-    return PolygonsWithFields(result, fields["point"], fields["cell"])
+    about = {key: found[stored] for key, stored in ended.answer["fields"]["about"].items()}
+    return PolygonsWithFields(result, fields["point"], fields["cell"], {**about, **ended.answer["texts"]})
 
 
 def _check_announced(source: Source) -> None:

@@ -84,8 +84,20 @@ def main(kind: str, path: str, output: str, memory_mb: str) -> dict:
             if array is not None and array.GetName():
                 arrays[f"{where}{k}"] = vtk_to_numpy(array)
                 names[where][array.GetName()] = f"{where}{k}"
+    texts: dict[str, list[str]] = {}
+    names["about"] = {}
+    said = data.GetFieldData()
+    for k in range(said.GetNumberOfArrays()):
+        array, column = said.GetArray(k), said.GetAbstractArray(k)
+        if array is not None and array.GetName():
+            arrays[f"about{k}"] = vtk_to_numpy(array)
+            names["about"][array.GetName()] = f"about{k}"
+        elif column is not None and column.GetName() and column.IsA("vtkStringArray"):
+            values = [column.GetValue(i) for i in range(column.GetNumberOfValues())]
+            if all(isinstance(value, str) for value in values):  # vtk hands out bytes where they are no UTF-8
+                texts[column.GetName()] = values
     np.savez(output, **arrays)
-    return {"fields": names}
+    return {"fields": names, "texts": texts}
 
 
 if __name__ == "__main__":

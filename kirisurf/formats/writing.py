@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from kirisurf.errors import OutputError
 from kirisurf.formats import atomic
-from kirisurf.formats.polydata import checked_parts, spatial
+from kirisurf.formats.polydata import add_about, checked_parts, spatial
 from kirisurf.gate import check_indices
 from kirisurf.loops import Loops
 
@@ -58,6 +58,7 @@ def write_vtp(
     loops: Loops,
     point_fields: Mapping[str, ArrayLike] | None = None,
     cell_fields: Mapping[str, ArrayLike] | None = None,
+    about: Mapping[str, ArrayLike | Sequence[str]] | None = None,
 ) -> None:
     """Write polygons with named fields as VTP (VTK XML, base64, double precision).
 
@@ -67,6 +68,8 @@ def write_vtp(
     points : (n, 2) or (n, 3), any unit
     loops : Loops
     point_fields, cell_fields : mapping of str to (n, ...) or (t, ...)
+    about : mapping of str to numbers or texts
+        Field data: what the file says about itself, see :func:`kirisurf.field_units.described_file`.
 
     Raises
     ------
@@ -75,7 +78,7 @@ def write_vtp(
     OutputError
         Where the file cannot be written; an old one is untouched.
     """
-    atomic.write_bytes(path, vtp_bytes(points, loops, point_fields, cell_fields))
+    atomic.write_bytes(path, vtp_bytes(points, loops, point_fields, cell_fields, about))
 
 
 def vtp_bytes(
@@ -83,6 +86,7 @@ def vtp_bytes(
     loops: Loops,
     point_fields: Mapping[str, ArrayLike] | None = None,
     cell_fields: Mapping[str, ArrayLike] | None = None,
+    about: Mapping[str, ArrayLike | Sequence[str]] | None = None,
 ) -> bytes:
     """Return the content that :func:`write_vtp` writes; the same input gives the same bytes."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
@@ -105,6 +109,7 @@ def vtp_bytes(
             array = numpy_to_vtk(np.array(values), deep=True)
             array.SetName(key)
             attributes.AddArray(array)
+    add_about(data, about or {})
     writer = vtkXMLPolyDataWriter()
     writer.SetInputData(data)
     writer.SetDataModeToBinary()

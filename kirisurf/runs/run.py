@@ -27,6 +27,9 @@ from kirisurf.tessellation import Tessellation
 
 SPEC = "run.toml"
 DEPLOYED, CONTRACTED, HOLES, TARGET = "deployed", "contracted", "holes", "target"
+BLOCKS = "run.vtm"
+RUN_BLOCKS = {"tiles": "deployed.vtp", "holes": "holes.vtp", "target": "target.vtp", "contracted": "contracted.vtp"}
+"""Names of the blocks of `BLOCKS`, which opens the whole run in ParaView, and their files."""
 # What a run is read from; the report, the pictures and the tables may be edited or rewritten.
 _READ = (SPEC, "deployed.obj", "contracted.obj", "deployed.vtp", "contracted.vtp", "holes.vtp", "target.vtp")
 # Fields that carry the tessellation itself; everything else in the VTP files is a measure.
@@ -121,6 +124,18 @@ class Run:
         found |= {("tile", name): values for name, values in deployed.cell_fields.items()}
         found |= {("hole", name): values for name, values in holes.cell_fields.items()}
         return {key: frozen(values) for key, values in found.items()}
+
+    def __repr__(self) -> str:
+        return f"Run({str(self.folder)!r}, {self.result.get('tiles')} tiles, {self.result['status']})"
+
+    def _repr_html_(self) -> str:
+        return self._card
+
+    @cached_property
+    def _card(self) -> str:
+        import kirisurf  # by the package's names: the module of the cards imports this one
+
+        return kirisurf.card(self)
 
     @cached_property
     def _states(self) -> tuple[np.ndarray, np.ndarray, Loops]:

@@ -16,9 +16,12 @@ from tests.analysis.patterns import NAMES, in_space, regular
 FIELDS = {
     "vertex": "distance distance_over_edge closure_gap residual_ring opening_angle_mean",
     "tile": "planarity isometry area size_ratio smallest_edge corner_angle_min corner_angle_max tile_angle_deviation "
-    "area_magnification",
+    "area_magnification angle_excess target_integrated_gaussian_curvature",
     "hole": "mean_curvature gaussian_curvature mean_curvature_averaged gaussian_curvature_averaged "
     "target_mean_curvature target_gaussian_curvature gaussian_curvature_difference mean_curvature_difference "
+    "principal_curvature_1 principal_curvature_2 integrated_gaussian_curvature target_integrated_gaussian_curvature "
+    "angle_defect gauss_image_area target_integrated_gaussian_curvature_cell mean_curvature_from_patch "
+    "gaussian_curvature_from_patch mean_curvature_from_fit gaussian_curvature_from_fit "
     "area opening_angle opening_angle_mean flag",
 }
 
@@ -38,7 +41,7 @@ def test_fields_have_their_names_and_lengths(lifted):
     lengths = {"vertex": pattern.n_vertices, "tile": pattern.n_tiles, "hole": len(pattern.holes)}
     expected = {(where, name): lengths[where] for where, names in FIELDS.items() for name in names.split()}
     assert {key: len(value) for key, value in measures.fields.items()} == expected
-    partial = {("vertex", "opening_angle_mean"), ("tile", "area_magnification")}
+    partial = {("vertex", "opening_angle_mean"), ("tile", "area_magnification"), ("hole", "angle_defect")}
     assert all(np.isfinite(value).all() for key, value in measures.fields.items() if key not in partial)
 
 
@@ -77,7 +80,8 @@ def test_measures_do_not_depend_on_the_frame(lifted, rotation):
     two = measure(pattern, 5 * points @ rotation.T + 40.0, 5 * pattern.contracted, moved)
     powers = {"distance": 1, "area": 2, "closure_gap": 1}
     for (where, name), value in one.fields.items():
-        power = powers.get(name, -2 if "gaussian" in name else -1 if "mean_" in name and "angle" not in name else 0)
+        curved = -2 if "gaussian_" in name else -1 if "mean_" in name or "principal" in name else 0
+        power = powers.get(name, 0 if "angle" in name or "integrated" in name else curved)
         assert two.fields[where, name] == pytest.approx(value * 5.0**power, rel=1e-5, abs=1e-8, nan_ok=True), name
 
 

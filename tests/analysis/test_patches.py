@@ -11,9 +11,11 @@ import pytest
 from analysis.bernstein import bernstein, cubic_basis, difference_matrix
 from analysis.bezier import BezierPatch
 from analysis.curvature import hole_curvature
-from analysis.patches import conditions, fit_patches, hole_patches, surrounding_vertices
+from analysis.patch_fitting import conditions, fit_patches
+from analysis.patches import hole_patches
 from kirisurf.errors import ParameterError
 from kirisurf.loops import Loops
+from kirisurf.surroundings import surrounding_vertices
 from tests.analysis.patterns import NAMES, in_space, regular
 
 # B_0 ... B_3 at 1/4, and their derivatives: 27, 27, 9, 1 over 64; -27, 9, 15, 3 over 16; 72, -120, 24, 24 over 16
@@ -197,11 +199,13 @@ def test_holes_of_trimmed_sheets_are_closed_and_have_their_tiles_all_round(name)
 
 def test_points_on_a_conic_are_ill_conditioned():
     t = np.arange(12) / 12 * 2 * np.pi
-    circle = 0.5 + 0.5 * np.stack([np.cos(t), np.sin(t)], axis=1)
-    grid = np.stack([q.ravel() for q in np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 3))], axis=1)
-    found = conditions(np.concatenate([circle, grid]), Loops.from_lists([np.arange(12), np.arange(12, 24)]))
+    circle = np.stack([np.cos(t), np.sin(t)])
+    grid = np.stack([q.ravel() for q in np.meshgrid(np.linspace(-1, 1, 4), np.linspace(-1, 1, 3))])
+    x, y = np.stack([circle, grid], axis=1)
+    found = conditions(np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=2))
     assert found[0] > 1e12
     assert found[1] < 20
+    assert np.isinf(conditions(np.ones((3, 5, 6)))).all()
 
 
 def test_folded_tiles_are_flagged_and_their_value_kept(flat_design):

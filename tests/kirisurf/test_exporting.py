@@ -8,14 +8,22 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+import pyvista
+import scipy.spatial
 import trimesh
 
 import kirisurf
 from kirisurf.errors import ParameterError
-from kirisurf.exporting import export, export_with_remarks
+from kirisurf.exporting import check_free, export, export_with_remarks
 from kirisurf.fabrication import Fabrication, cut_lines, quarter_turned
+from kirisurf.field_units import unit_of_field
+from kirisurf.formats import read_fields
+from kirisurf.judging import origin_of
 from kirisurf.runs import Run
+from kirisurf.runs.run import RUN_BLOCKS
 from kirisurf.sheet import Sheet
+from viewers import fields
+from viewers.fields import describe_field
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -198,3 +206,93 @@ def test_the_pattern_of_a_run_is_made_for_its_kerf(tmp_path: Path) -> None:
 
 def test_a_quarter_turn_is_no_mirror() -> None:
     assert quarter_turned(np.array([[1.0, 0], [0, 1]])) == pytest.approx(np.array([[0.0, 1], [-1, 0]]))
+
+
+def test_blocks_are_the_files_of_the_run(run: Run, tmp_path: Path) -> None:
+    blocks = pyvista.read(export(run, tmp_path / "s.vtm"))
+    assert blocks.keys() == ["tiles", "holes", "target", "contracted"]
+    for name, file in RUN_BLOCKS.items():
+        assert (tmp_path / "s_vtm" / f"{name}.vtp").read_bytes() == (run.folder / file).read_bytes()
+    inside = pyvista.read(run.folder / "run.vtm")
+    assert inside.keys() == blocks.keys()
+    for ours, theirs in zip(inside, blocks, strict=True):
+        assert np.array_equal(ours.points, theirs.points) and ours.array_names == theirs.array_names
+
+
+@pytest.mark.parametrize("n", [2, 6])
+def test_a_series_opens_every_hole_and_ends_on_the_deployed_sheet(run: Run, tmp_path: Path, n: int) -> None:
+    reader = pyvista.get_reader(export(run, tmp_path / "o.pvd", frames=n))
+    assert reader.time_values == pytest.approx(np.linspace(0, 1, n), abs=0)
+    angles, strains, states = [], [], []
+    for time in reader.time_values:
+        reader.set_active_time_value(time)
+        tiles, holes = reader.read()
+        assert tiles.n_cells == run.tessellation.n_tiles and holes.n_cells == len(run.tessellation.holes)
+        angles.append(holes.cell_data["opening_angle"])
+        strains.append(tiles.cell_data["isometry"].max())
+        states.append(str(tiles.field_data["state"][0]))
+        assert tiles.field_data["share"] == pytest.approx(time) and tiles.field_data["unit_of_length"][0] == "cm"
+    assert np.array_equal(tiles.points, run.deployed)
+    assert angles[-1] == pytest.approx(run.fields["hole", "opening_angle"], abs=1e-12)
+    assert (np.diff(angles, axis=0) > 0).all() and np.abs(angles[0]).max() < 1e-6
+    assert strains[0] < 1e-9 and strains[-1] < 1e-9
+    assert [("not a mechanism" in state) for state in states] == [0 < time < 1 for time in reader.time_values]
+
+
+def test_the_closed_frame_is_the_contracted_sheet_moved_rigidly(run: Run, tmp_path: Path) -> None:
+    export(run, tmp_path / "o.pvd", frames=2)
+    closed = pyvista.read(tmp_path / "o_pvd" / "0000_tiles.vtp").points
+    flat = np.column_stack([run.contracted, np.zeros(len(run.contracted))])
+    assert scipy.spatial.distance.pdist(closed) == pytest.approx(scipy.spatial.distance.pdist(flat), abs=1e-12)
+    assert closed.mean(axis=0) == pytest.approx(run.deployed.mean(axis=0), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("a.pvd", {"frames": 1}, "--frames: expected a number from 2 to 1000, got 1"),
+        ("a.pvd", {"frames": 1001}, "--frames: expected a number from 2 to 1000, got 1001"),
+        ("a.pvd", {"state": "deployed"}, "expected no --state for .pvd, which holds both, got deployed"),
+        ("a.vtm", {"state": "contracted"}, "expected no --state for .vtm, which holds both, got contracted"),
+    ],
+)
+def test_wrong_choices_for_blocks_and_series(run: Run, tmp_path: Path, name: str, options: dict, message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        export(run, tmp_path / name, **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pieces_that_are_in_the_way_are_said(run: Run, tmp_path: Path) -> None:
+    export(run, tmp_path / "a.vtm")
+    (tmp_path / "a.vtm").unlink()
+    with pytest.raises(ParameterError, match="a_vtm: expected a new folder, got one that exists; --overwrite"):
+        check_free([tmp_path / "a.vtm"], run.folder, overwrite=False)
+    check_free([tmp_path / "a.vtm"], run.folder, overwrite=True)
+    (tmp_path / "a_vtm" / "notes.txt").write_text("mine")
+    with pytest.raises(ParameterError, match=r"a_vtm: expected a new folder for the pieces of a\.vtm, got one with"):
+        check_free([tmp_path / "a.vtm"], run.folder, overwrite=True)
+
+
+def test_a_far_target_has_its_origin_in_every_file(tmp_path: Path) -> None:
+    target, shift = kirisurf.load("hypar"), np.array([5e5, 2e6, -300.0])
+    run = kirisurf.fit((target.vertices + shift, target.faces), cells=(2, 2)).save(tmp_path / "far", pictures=False)
+    assert np.abs(run.origin).max() > 1e6
+    for file in RUN_BLOCKS.values():
+        assert np.array_equal(read_fields(run.folder / file).about["origin"], [run.origin])
+    states = [export(run, tmp_path / f"{state}.vtp", state) for state in ("deployed", "contracted")]
+    assert np.array_equal(origin_of(states[0]), run.origin)
+    assert np.array_equal(origin_of(run.folder / "deployed.obj"), origin_of(run.folder / "deployed.vtp"))
+    # judged against the target in its own frame, and against the one that the run holds in the shifted frame
+    far = (target.vertices + shift, target.faces)
+    expected = {name: run.certificate[name] for name in ("distance_rms", "coverage", "length")}
+    for deployed, contracted in (states, (run.folder / "deployed.obj", run.folder / "contracted.obj")):
+        for goal in (far, run.folder / "target.vtp"):
+            rows = kirisurf.audit(deployed, contracted, goal).rows
+            assert {name: rows[name] for name in expected} == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_units_of_fields_are_those_of_the_viewers(run: Run) -> None:
+    names = {name for _, name in run.fields} | set(fields._KNOWN)
+    numbers = {"center", "weld", "cell", "standard_deployed", "standard_contracted", "normal"}
+    for name in names - numbers:
+        assert unit_of_field(name, "cm") == describe_field(name, "vertex", np.zeros(1), "cm").unit, name

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 from kirisurf.design import Design, fit
+from kirisurf.errors import ParameterError
+from kirisurf.refit import can_refit
 from kirisurf.sizes import slit_openings, tile_edges
 from kirisurf.soundness import are_apart
 from kirisurf.spec import PREFERENCES
+from kirisurf.start import make_start
 from kirisurf.status import Status
+from kirisurf.wishes import preference
 
 ROWS = ("length", "angle", "isometry", "closure", "boundary", "planarity")
-WISHES = [name for name in PREFERENCES if name != "balanced"]
+WISHES = [name for name in PREFERENCES if name not in ("balanced", "curvature")]
 
 
 @cache
@@ -82,6 +87,50 @@ def test_curved_targets_have_preferences_too(name: str) -> None:
     before, pulled = (fit("hypar", cells=(2, 2), prefer=p, max_opening=170.0) for p in ("balanced", name))
     assert pulled.certificate.passed, pulled.certificate.failures
     assert MEASURES[name](pulled) < MEASURES[name](before)
+
+
+def bent(design: Design) -> float:
+    """Median part of the holes' Gaussian curvature that is the fit's."""
+    return design.measures.numbers["gaussian_curvature_from_fit_median"]
+
+
+@pytest.mark.parametrize(("target", "tessellation"), [("hypar", "quad"), ("peaks", "quad"), ("hypar", "kagome")])
+def test_holes_of_a_pulled_sheet_are_curved_as_the_target_is(target: str, tessellation: str) -> None:
+    options = {"cells": (4, 4), "tessellation": tessellation}
+    before, pulled = fit(target, **options), fit(target, prefer="curvature", **options)
+    assert pulled.certificate.passed, pulled.certificate.failures
+    assert bent(pulled) < 0.5 * bent(before)
+    assert pulled.certificate.rows["distance_rms"] < 0.02
+    (said,) = (note for note in pulled.notes if note.startswith("Preference"))
+    assert "curvature" in said and "nothing was gained" not in said
+
+
+def test_curvature_is_preferred_also_among_sheets_with_both_states_unknown() -> None:
+    before, pulled = (fit("hypar", cells=(3, 3), prefer=p, max_opening=170.0) for p in ("balanced", "curvature"))
+    assert pulled.certificate.passed, pulled.certificate.failures
+    assert bent(pulled) < 0.5 * bent(before)
+
+
+def test_fits_with_a_preference_are_not_refitted_as_if_they_had_none() -> None:
+    design = fit("hypar", cells=(2, 2))
+    start = make_start(design.surface, design.spec)
+    assert can_refit(design.surface, design.spec, start)
+    for name in (name for name in PREFERENCES if name != "balanced"):
+        assert not can_refit(design.surface, replace(design.spec, prefer=name), start)
+
+
+def test_a_sheet_on_its_target_leaves_nothing_to_prefer() -> None:
+    before, pulled = (fit("hypar", cells=(2, 2), closeness="exact", prefer=p) for p in ("balanced", "curvature"))
+    np.testing.assert_array_equal(pulled.deployed_points, before.deployed_points)
+    assert any(note.startswith("Preference") and note.endswith("there were none.") for note in pulled.notes)
+
+
+def test_planar_targets_have_no_curvature_to_prefer() -> None:
+    design = fit("circle", cells=(2, 2), prefer="curvature")
+    assert design.certificate.passed, design.certificate.failures
+    assert any("a planar target has none" in note for note in design.notes)
+    with pytest.raises(ParameterError, match="expected a curved target"):
+        preference("curvature", design.tessellation, design.deployed_points, design.surface.outline)
 
 
 def test_a_sheet_that_meets_no_rows_is_not_pulled() -> None:

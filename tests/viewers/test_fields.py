@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from analysis.measures import measure
 from kirisurf.errors import ParameterError
+from kirisurf.field_units import unit_of_field
+from kirisurf.pattern import quad_pattern
+from kirisurf.surface import Surface
 from viewers.fields import describe_field, name_unit, unit_label
 
 
@@ -68,3 +72,40 @@ def test_units():
         "rad",
     ]
     assert (name_unit("unit", 1), name_unit("unit", 2), name_unit("mm", 2)) == ("unit", "units", "mm")
+
+
+def test_every_measured_field_has_words_and_the_unit_of_the_files():
+    pattern = quad_pattern(3, 3)
+    points = np.c_[pattern.deployed, 0.05 * pattern.deployed[:, 0] ** 2]
+    corners = np.array([[-1.0, -1, 0], [6, -1, 0], [6, 6, 0], [-1, 6, 0]])
+    target = Surface.from_arrays(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    for where, name in measure(pattern, points, pattern.contracted, target).fields:
+        field = describe_field(name, where, np.array([-1.0, 1.0]), "mm")
+        assert field.unit == unit_of_field(name, "mm")
+        assert field.label != name.replace("_", " ") or name in (
+            "area",
+            "planarity",
+            "isometry",
+            "flag",
+            "closure_gap",
+        ), name
+        assert field.signed == (name not in UNSIGNED)
+
+
+UNSIGNED = frozenset(
+    [
+        "closure_gap",
+        "planarity",
+        "isometry",
+        "area",
+        "size_ratio",
+        "smallest_edge",
+        "corner_angle_min",
+        "corner_angle_max",
+        "flag",
+        "tile_angle_deviation",
+        "area_magnification",
+        "opening_angle",
+        "opening_angle_mean",
+    ]
+)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from kirisurf.errors import OutputError, ParameterError
+from tests.viewers.report_page import Page
 from viewers.parts import ReportParts, curvature_summary, feasibility, is_planar, verdict
 from viewers.report import report_html, write_report
-from viewers.words import CAPTIONS, PLANAR_CAPTIONS
+from viewers.words import CAPTIONS, OPEN_CAPTIONS, PLANAR_CAPTIONS
 
 ROWS = {
     "length": 3e-13,
@@ -44,30 +44,10 @@ def quick_charts(request, monkeypatch):
             monkeypatch.setattr(f"viewers.charts.{name}", lambda *_: "<svg/>")
 
 
-class Page(HTMLParser):
-    """What a browser would see of a page: tags with attributes, balance, text."""
-
-    VOID = frozenset({"meta", "img", "br", "link", "hr"})
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict]] = []
-        self.open: list[str] = []
-        self.text = ""
-        self.feed(text)
-        self.close()
-        assert not self.open, f"tags left open: {self.open}"
-
-    def handle_starttag(self, tag, attributes):
-        self.tags.append((tag, dict(attributes)))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open and self.open.pop() == tag, f"</{tag}> closes nothing"
-
-    def handle_data(self, data):
-        self.text += data
+def rows(sheet) -> list[dict]:
+    names = ("mean_curvature", "gaussian_curvature", "target_mean_curvature", "target_gaussian_curvature", "flag")
+    columns = {name: sheet.fields["hole", name] for name in names}
+    return [{"hole": k, **{name: float(values[k]) for name, values in columns.items()}} for k in range(25)]
 
 
 @pytest.fixture
@@ -94,7 +74,7 @@ def parts(sheet, tmp_path) -> ReportParts:
         failures=(),
         fields=sheet.fields,
         numbers={"tile_area": 1.5, "porosity": 0.25, "mean_curvature_difference_median": 0.5},
-        tables={"curvature": [{"hole": k, "mean_curvature": 0.1 * k, "flag": 0} for k in range(25)]},
+        tables={"curvature": rows(sheet)},
         pictures={"deployed": tmp_path / "deployed.png", "pattern": tmp_path / "pattern.svg"},
         notes=("The opening is 60 % because of the stretch.",),
         history=({"length": 1e-2}, {"length": 1e-10}),
@@ -106,7 +86,7 @@ def test_the_page_loads_nothing_and_runs_nothing(parts):
     text = report_html(parts)
     page = Page(text)
     assert "http" not in text and "file:" not in text and "@import" not in text and "url(" not in text
-    assert not [tag for tag, _ in page.tags if tag in ("script", "link", "iframe", "object", "base")]
+    assert not [tag for tag, _ in page.tags if tag in ("script", "link", "iframe", "object", "base", "embed", "form")]
     sources = [a["src"] for _, a in page.tags if "src" in a]
     assert len(sources) == 2 + 4 + 1
     assert all(s.startswith(("data:image/png;base64,", "data:image/svg+xml;base64,")) for s in sources)
@@ -130,13 +110,13 @@ def test_every_certificate_row_is_shown_with_a_verdict_in_words(parts):
 
 @pytest.mark.parametrize(
     "where",
-    ["title", "target_name", "units", "notes", "warnings", "failures", "no_pictures", "row", "table", "version"],
+    ["title", "target_name", "units", "notes", "warnings", "failures", "no_pictures", "row", "spec", "version"],
 )
 def test_what_a_user_wrote_is_escaped(parts, where):
     evil = "<img src=x onerror=alert(1)>&\"'"
     changed = {
         "row": {"certificate": {evil: 1.0}},
-        "table": {"tables": {"curvature": [{evil: evil}]}},
+        "spec": {"spec": {evil: evil, "tessellation": evil}},
         "version": {"result": {**parts.result, "versions": {evil: evil}, "reason": evil}},
         "no_pictures": {"pictures": {}, "no_pictures": evil},
     }.get(where, {where: (evil,) if where in ("notes", "warnings", "failures") else evil})
@@ -189,13 +169,24 @@ def test_the_paragraph_beside_the_maps_says_what_is_target_and_what_is_fit(parts
     rms = np.sqrt(np.mean(parts.fields["vertex", "distance"] ** 2))
     assert summary.per_edge_squared == pytest.approx(rms / 0.04)
     text = Page(report_html(parts)).text
-    assert "9.1 % of it" in text and "d/L\u00b2" in text and "1/mm\u00b2" in text
+    assert "(9.1\u00a0%)" in text and "d/L\u00b2" in text and "1/mm\u00b2" in text
 
 
 def test_a_curvature_map_says_beside_it_how_much_is_the_fit(parts):
-    pictures = {"gaussian_curvature": parts.pictures["deployed"]}
-    assert "that part is the fit" in Page(report_html(replace(parts, pictures=pictures))).text
-    assert "(9.1 %)" in Page(report_html(replace(parts, pictures=pictures))).text
+    file = parts.pictures["deployed"]
+    names = ("gaussian_curvature", "target_gaussian_curvature", "gaussian_curvature_difference")
+    shown = replace(parts, pictures=dict.fromkeys(names, file))
+    text = Page(report_html(shown)).text
+    assert "that part is the fit" in text and "9.1\u00a0% of its |K|" in text
+    assert "All of it is the target's" in text and "None of it is the target's" in text
+    numbers = {
+        "gaussian_curvature_target_share": 0.92,
+        "gaussian_curvature_from_fit_median": 0.25,
+        "gaussian_curvature_from_patch_median": 0.125,
+    }
+    text = " ".join(Page(report_html(replace(shown, numbers=numbers))).text.split())
+    assert "92 % of it is the target's" in text
+    assert "0.25 1/mm\u00b2 come from the fit, 0.125 from too few tiles" in text
 
 
 def test_flagged_holes_are_left_out_of_the_medians_and_counted(parts):
@@ -210,23 +201,22 @@ def test_flagged_holes_are_left_out_of_the_medians_and_counted(parts):
     assert curvature_summary(replace(parts, fields={})) is None
 
 
-def test_long_tables_are_cut_and_say_where_the_rest_is(parts):
-    assert "first 12 of 25 holes" in Page(report_html(parts)).text
+def test_the_holes_that_differ_most_are_listed_and_the_rest_is_named(parts):
+    page = Page(report_html(parts))
+    listed = [int(shown.value) for shown in page.shown if shown.pointer.endswith("/hole")]
+    apart = [abs(row["gaussian_curvature"] - row["target_gaussian_curvature"]) for row in parts.tables["curvature"]]
+    assert listed == sorted(range(25), key=lambda k: -apart[k])[:8]
+    assert "curvature.csv" in page.text
 
 
-def test_a_comparison_shows_every_run(parts, tmp_path):
-    other = replace(parts, title="The <other>", failures=("length: bad",))
-    path = write_report([parts, other], tmp_path / "comparison.html")
-    page = Page(path.read_text(encoding="utf-8"))
-    assert "A sheet" in page.text and "The <other>" in page.text
-    assert [a["data-row"] for _, a in page.tags if "data-row" in a] == list(ROWS)
-    assert "http" not in path.read_text(encoding="utf-8")
-    with pytest.raises(ParameterError, match="at least one run"):
-        write_report([], tmp_path / "none.html")
+def test_flagged_holes_are_not_listed(parts):
+    wild = [{**row, "gaussian_curvature": 1e9, "flag": 1} if k == 3 else row for k, row in enumerate(rows_of(parts))]
+    page = Page(report_html(replace(parts, tables={"curvature": wild})))
+    assert "3" not in [shown.value for shown in page.shown if shown.pointer.endswith("/hole")]
 
 
-def test_a_comparison_of_one_is_its_report(parts, tmp_path):
-    assert write_report([parts], tmp_path / "one.html").read_text(encoding="utf-8") == report_html(parts)
+def rows_of(parts) -> list[dict]:
+    return list(parts.tables["curvature"])
 
 
 def test_missing_and_strange_pictures_are_refused(parts, tmp_path):
@@ -241,7 +231,7 @@ def test_an_unwritable_place_is_an_output_error(parts, tmp_path):
         write_report(parts, tmp_path / "missing" / "report.html")
 
 
-FEASIBILITY = {
+FEASIBILITY: dict = {
     "sentence": "The target asks for more than quads can give.",
     "advice": "Take kagome.",
     "least": 1.0,
@@ -255,6 +245,11 @@ def test_what_was_said_before_solving_is_in_the_report(parts):
     page = Page(report_html(replace(parts, result={**parts.result, "feasibility": FEASIBILITY})))
     for words in (FEASIBILITY["sentence"], FEASIBILITY["advice"], "1 to 1.41", "0.9 to 1.7", "12 %"):
         assert words in page.text
+    known = {**FEASIBILITY, "spread": 1.89}
+    text = Page(report_html(replace(parts, result={**parts.result, "feasibility": known}))).text
+    assert "1.89 times as much" in text and "by 1 to 1.41" in text and "12.5\u00a0% of its area" in text
+    enough = {**known, "outside": 0.0}
+    assert "that is enough" in Page(report_html(replace(parts, result={**parts.result, "feasibility": enough}))).text
     assert "Can the target be reached?" not in Page(report_html(parts)).text
 
 
@@ -268,7 +263,10 @@ def test_feasibility_may_be_known_in_part(parts, missing):
     assert (shown.outside == "") == (missing == "outside")
     Page(report_html(replace(parts, result={"feasibility": part})))
     assert feasibility(replace(parts, result={"feasibility": {"sentence": None}})) is None
-    assert feasibility(replace(parts, result={"feasibility": {"spread": 2.0}})).asked == "largest 2 times the smallest"
+    assert (
+        feasibility(replace(parts, result={"feasibility": {"spread": 2.0}})).asked
+        == "the largest is 2 times the smallest"
+    )
 
 
 def test_feasibility_is_escaped(parts):
@@ -304,11 +302,12 @@ def test_without_holes_nothing_is_known_to_be_planar(parts):
 
 def test_of_an_odd_number_of_pictures_the_deployed_one_leads(parts):
     file = parts.pictures["deployed"]
-    five = dict.fromkeys(("target", "pattern", "deployed", "mean_curvature", "gaussian_curvature"), file)
-    for pictures, lead in ((five, True), ({**five, "asked_stretch": file}, False), ({"deployed": file}, False)):
+    three = dict.fromkeys(("target", "pattern", "deployed"), file)
+    for pictures, lead in ((three, True), ({**three, "asked_stretch": file}, False), ({"deployed": file}, False)):
         page = Page(report_html(replace(parts, pictures=pictures)))
         figures = [a.get("class") for tag, a in page.tags if tag == "figure"][: len(pictures)]
-        assert figures == (["wide"] + [""] * 4 if lead else [""] * len(pictures))
+        wide = ["wide" in (each or "") for each in figures]
+        assert wide == [lead] + [False] * (len(figures) - 1)
         alt = [a["alt"] for tag, a in page.tags if tag == "img"]
         assert (alt[0] == CAPTIONS["deployed"]) == (lead or len(pictures) == 1)
 
@@ -319,6 +318,7 @@ def test_measures_stand_under_their_headings_in_words(parts):
     assert shown == ["porosity", "tile_area", "mean_curvature_difference_median"]
     for words in ("porosity: holes / tiles and holes", "25 %", "1.5 mm\u00b2", "0.5 1/mm"):
         assert words in page.text
+    assert "seconds" not in " ".join(shown.pointer for shown in page.shown)
     assert "tile_area" not in page.text
 
 
@@ -327,3 +327,34 @@ def test_rows_of_prescribed_outlines_are_shown(parts):
     failing = replace(parts, certificate=certificate, failures=("boundary: expected at most 1e-09, got 0.001",))
     shown = {a["data-row"]: a["class"] for _, a in Page(report_html(failing)).tags if "data-row" in a}
     assert shown["boundary"] == "fail" and shown["contracted_boundary"] == "none"
+
+
+def test_a_sheet_that_stays_open_by_design_says_what_is_judged(parts):
+    certificate, limits = {**ROWS, "gap_contracted": 0.364}, {**LIMITS, "gap_contracted": 1e-9}
+    pictures = {**parts.pictures, "target": parts.pictures["deployed"]}
+    beside = {"certificate_beside": {"gap_designed": 0.364 - 2e-16}}
+    told = replace(parts, certificate=certificate, limits=limits, pictures=pictures, result={**parts.result, **beside})
+    page = Page(report_html(told))
+    assert OPEN_CAPTIONS["pattern"] in page.text and OPEN_CAPTIONS["deployed"] in page.text
+    row = {shown.pointer: float(shown.value) for shown in page.shown if "gap_contracted" in shown.pointer}
+    assert row["/certificate/gap_contracted/designed"] + row["/certificate/gap_contracted/rest"] == pytest.approx(0.364)
+    assert "open by design" in Page(report_html(replace(told, result=parts.result))).text
+    fails = ("gap_contracted: expected at most 1e-09, got 0.364: the contracted sheet leaves gaps",)
+    assert "by design" not in Page(report_html(replace(told, failures=fails))).text
+    assert "by design" not in Page(report_html(parts)).text
+
+
+def test_what_is_said_once_is_not_said_again(parts):
+    sentence = "The target asks for stretches that differ by a factor of 2.24; that is not enough."
+    failure = "planarity: expected at most 1e-09, got 3e-4: a tile is not flat"
+    found = {**FEASIBILITY, "sentence": sentence, "spread": 2.24}
+    doubled = replace(
+        parts,
+        notes=(sentence, f"{sentence} {FEASIBILITY['advice']}", "Placement: by hand."),
+        failures=(failure,),
+        result={**parts.result, "reason": f"Step limit. {failure}.", "feasibility": found},
+    )
+    text = Page(report_html(doubled)).text
+    assert text.count(failure) == 1 and "Step limit." in text
+    assert sentence not in text and text.count(FEASIBILITY["advice"]) == 1
+    assert "asks for 2.24 times as much" in text and "Placement: by hand." in text

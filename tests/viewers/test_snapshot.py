@@ -12,7 +12,7 @@ from PIL import Image
 from kirisurf.errors import OutputError, ParameterError
 from viewers import opengl, snapshot
 from viewers.scenes import deployed_scene, holes_scene, pattern_scene, standard_scenes, stretch_scene
-from viewers.snapshot import NoOpenGLError, draw, render, render_overview
+from viewers.snapshot import LINES, NoOpenGLError, draw, render, render_overview
 
 SMALL = (320, 240)
 
@@ -81,7 +81,7 @@ def test_the_color_bar_marks_what_is_possible(sheet, tmp_path):
     assert len(groups) == 2
     low, high = item.field.limits
     apart = np.diff([group.mean() for group in groups])[0]
-    length = 0.64 * (640 - 3.2 * 480 * 1.2 / 46)
+    length = 0.64 * (640 - 3.2 * 480 * 1.2 / LINES)
     assert apart / length == pytest.approx(0.2 / (high - low), rel=0.1)
 
 
@@ -116,3 +116,42 @@ def test_wrong_sizes_are_refused(sheet, tmp_path):
         draw(pattern_scene(sheet), (0, 10))
     with pytest.raises(ParameterError, match="overview: expected scenes"):
         render_overview([], tmp_path / "p.png")
+
+
+@pytest.fixture
+def blank(monkeypatch):
+    """Lay pages out without drawing what is on them."""
+    monkeypatch.setattr(snapshot, "draw", lambda scene, size, frame: np.full((size[1], size[0], 3), 255, np.uint8))
+
+
+def texts(figure) -> list[str]:
+    return [text.get_text() for text in figure.texts]
+
+
+@pytest.mark.parametrize(("scale", "power"), [(1.0, ""), (1e-12, r"10^{"), (1e7, r"10^{")])
+def test_the_unit_of_a_color_bar_has_the_power_of_its_ticks(sheet, blank, scale, power):
+    values = scale * np.asarray(sheet.fields["hole", "gaussian_curvature"])
+    scaled = replace(sheet, fields={**sheet.fields, ("hole", "gaussian_curvature"): values})
+    figure = snapshot._page([holes_scene(scaled, "gaussian_curvature")], (960, 780), 1, 26.0)
+    (unit,) = [text for text in texts(figure) if "mm\u00b2" in text]
+    assert (power in unit) if power else unit == "1/mm\u00b2"
+
+
+@pytest.mark.parametrize("lines", [26.0, 36.0, 46.0])
+def test_nothing_on_a_page_runs_into_its_neighbor(sheet, blank, lines):
+    flag = np.zeros(len(sheet.holes))
+    flag[:3] = 1
+    flagged = replace(sheet, fields={**sheet.fields, ("hole", "flag"): flag})
+    for scene in (holes_scene(flagged, "mean_curvature"), pattern_scene(sheet)):
+        figure = snapshot._page([scene], (960, 780), 1, lines)
+        figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in figure.texts if text.get_text()]
+        for axes in figure.axes:
+            low, high = axes.get_xlim()
+            shown = [
+                label for label in axes.get_xticklabels() if axes.axison and low <= label.get_position()[0] <= high
+            ]
+            boxes += [label.get_window_extent() for label in shown]
+        for k, box in enumerate(boxes):
+            assert box.x0 >= 0 and box.x1 <= 960 and box.y0 >= 0 and box.y1 <= 780
+            assert not any(box.overlaps(other) for other in boxes[k + 1 :])

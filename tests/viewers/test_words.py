@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from analysis.measures import measure
 from kirisurf.pattern import quad_pattern
 from kirisurf.surface import Surface
 from viewers.number_words import measures_by_heading, number_in_words
-from viewers.words import number, row_in_words
+from viewers.words import CAPTIONS, OPEN_CAPTIONS, PLANAR_CAPTIONS, number, row_in_words
 
 
 @pytest.mark.parametrize(
@@ -56,7 +58,8 @@ def test_limits_say_which_way_they_go():
 @pytest.mark.parametrize(
     "value, text",
     [(3, "3"), (3.0, "3"), (0.123456, "0.123"), (1.5e-12, "1.5e-12"), (2e-9, "2e-9"), (None, "\u2013"), ("mm", "mm"),
-     (float("nan"), "\u2013"), (float("inf"), "inf"), (True, "True"), (1e300, "1e+300")],
+     (float("nan"), "\u2013"), (float("inf"), "inf"), (True, "True"), (1e300, "1e+300"), (1079.6, "1080"), (-99999.4, "-99999"),
+     (123456.5, "1.23e5"), (999.96, "1000")],
 )  # fmt: skip
 def test_numbers(value, text):
     assert number(value) == text
@@ -103,3 +106,22 @@ def test_every_measure_has_words():
     flat = measure(pattern, points * [1, 1, 0], pattern.contracted, target, target_outline=corners[:, :2])
     bent = measure(pattern, points, pattern.contracted, target)
     assert "Other measures" not in measures_by_heading({**bent.numbers, **flat.numbers})
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_limits_and_relations_agree_and_units_are_short(name):
+    row = row_in_words(name, 0.5, 1.0)
+    assert row.limit == f"{row.relation} 1"
+    assert row.short_unit == {"of a tile edge": "L", "rad": "rad"}.get(row.unit, "")
+
+
+def test_a_measure_keeps_its_value_in_the_unit_shown():
+    assert number_in_words("opening_angle_max", np.pi / 2, "mm").number == pytest.approx(90)
+    assert number_in_words("porosity", 0.5, "mm").number == 50
+    assert number_in_words("rim_turning", 6.5, "mm").unit == "rad"
+    assert number_in_words("porosity", None, "mm").number is None
+
+
+def test_captions_name_no_number_that_the_page_would_have_to_know():
+    for caption in (*CAPTIONS.values(), *PLANAR_CAPTIONS.values(), *OPEN_CAPTIONS.values()):
+        assert not re.search(r"\d", caption.replace("2\u03c0", "")) and caption.endswith(".")

@@ -84,7 +84,7 @@ def test_the_version_is_printed(capsys: Captured) -> None:
         (["export", "run", "--to", "x.pdf"], 2, ".pdf is not available in this version"),
         (["export", "run", "--to", "x.xyz"], 2, "expected a suffix among"),
         (["export", "run", "--to", "x.svg", "--state", "deployed"], 2, "expected --state contracted"),
-        (["view", "hypar", "--web"], 2, "not available in this version"),
+        (["view", "hypar", "--port", "8000"], 2, "expected together with --web"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

@@ -32,6 +32,7 @@ DATA = {
     "contracted.vtp",
     "holes.vtp",
     "target.vtp",
+    "run.vtm",
     "curvature.csv",
     "pattern.svg",
     "report.html",
@@ -202,6 +203,8 @@ def test_without_opengl_the_report_says_so(tmp_path: Path, design: Design, monke
 @pytest.mark.slow
 def test_pictures_are_drawn_and_listed(tmp_path: Path, design: Design, opengl: None) -> None:
     run = design.save(tmp_path / "bright")
-    names = {"overview", "target", "pattern", "deployed", "mean_curvature", "gaussian_curvature", "asked_stretch"}
+    from kirisurf.publishing import PICTURES
+
+    names = set(PICTURES)
     assert set(run.result["files"]) == DATA | {f"{name}.png" for name in names}
     assert json.loads((run.folder / "result.json").read_text())["exit_code"] == 0
