@@ -47,7 +47,8 @@ class Certificate:
         `flatness` (largest distance of a contracted vertex to the plane of all, over L), and, without a limit
         unless `limits` names one: `fold_max` (largest angle between the normals of hinged tiles),
         `distance_smooth_rms` and `distance_smooth_max` (to the smooth surface that the mesh stands for, over
-        L; the `exact` mode is judged by them).
+        L; the `exact` mode is judged by them), `gap_designed` (area of the designed openings over that of the tiles,
+        which the row `gap_contracted` is allowed; absent without openings).
     """
 
     rows: Mapping[str, float | int | None]
@@ -137,6 +138,8 @@ def certify(
         rows |= slit_rows(sheet, tessellation)
         rows["angle"], rows["loop"], area = ring_rows(sheet, tessellation, openings)
         designed_gap = area / layout.area if layout.area > 0 else 0.0
+        if designed_gap > 0:
+            extra["gap_designed"] = designed_gap
         extra["fold_max"] = float(rigidity.folds(sheet.local, sheet.tiles, tessellation).max(initial=0.0))
     if target is not None:
         found, smooth = target_rows(sheet, target, closest or ClosestPoints(target))

@@ -27,7 +27,7 @@ from kirisurf.solvers.choice import make_solver
 from kirisurf.solvers.outcome import Limits, Outcome, Progress, ShouldStop
 from kirisurf.soundness import are_apart, are_facing, are_sound
 from kirisurf.spec import FitSpec
-from kirisurf.start import Start, make_start
+from kirisurf.start import Laid, Start, make_start
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 from kirisurf.two_states import TwoStates
@@ -42,6 +42,7 @@ def solve_curved(
     left: Callable[[], Limits],
     progress: Progress | None,
     should_stop: ShouldStop | None,
+    laid: Laid | None = None,
 ) -> Solved:
     """Solve for the sheet nearest to a surface.
 
@@ -53,6 +54,8 @@ def solve_curved(
     contracted = contracted_shape(spec)
     ground = Ground(surface)
     start = make_start(surface, spec, ground)
+    if laid is not None:
+        laid(start)
     started = time.perf_counter()
     if needs_both_states(start.tessellation, spec):
         return _both_states(ground, spec, start, contracted, left, started, progress, should_stop)

@@ -21,6 +21,7 @@ from kirisurf.loops import Loops
 from kirisurf.origin import moved, round_origin
 from kirisurf.pipeline import FitResult, fit_surface
 from kirisurf.spec import FitSpec
+from kirisurf.start import Laid
 from kirisurf.states import Step
 from kirisurf.status import Status
 from kirisurf.surface import Surface
@@ -236,6 +237,7 @@ def fit_loaded(
     load_seconds: float = 0.0,
     progress: Callable[[Step], None] | None = None,
     should_stop: Callable[[], bool] | None = None,
+    laid: Laid | None = None,
 ) -> Design:
     """Design a sheet for a surface that has been read.
 
@@ -250,11 +252,13 @@ def fit_loaded(
         Time that took.
     progress, should_stop : callable, optional
         As for :func:`fit`.
+    laid : callable, optional
+        As for :func:`kirisurf.pipeline.fit_surface`.
     """
     began = time.perf_counter()
     surface, changes = prepared(surface, spec)
     origin = round_origin(surface)
     seconds = load_seconds + time.perf_counter() - began
-    result = fit_surface(moved(surface, origin), spec, progress, should_stop)
+    result = fit_surface(moved(surface, origin), spec, progress, should_stop, laid)
     result = replace(result, notes=(*notes, *changes, *result.notes), seconds={"load": seconds, **result.seconds})
     return Design(spec, result, origin)

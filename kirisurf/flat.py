@@ -24,7 +24,7 @@ from kirisurf.solvers.choice import make_solver
 from kirisurf.solvers.outcome import Limits, Progress, ShouldStop
 from kirisurf.soundness import are_apart
 from kirisurf.spec import FitSpec
-from kirisurf.start import make_start
+from kirisurf.start import Laid, make_start
 from kirisurf.surface import Surface
 from kirisurf.trimming import rectangle_mask
 from kirisurf.unit_cells.catalog import find_cell
@@ -36,6 +36,7 @@ def solve_flat(
     left: Callable[[], Limits],
     progress: Progress | None,
     should_stop: ShouldStop | None,
+    laid: Laid | None = None,
 ) -> Solved:
     """Solve for a sheet whose outer vertices lie on the outline of a planar target.
 
@@ -65,6 +66,8 @@ def solve_flat(
         initial = np.column_stack([layout + middle, np.zeros(len(layout))])
     else:
         start = make_start(surface, spec)
+        if laid is not None:
+            laid(start)
         tessellation, initial, feasible = start.tessellation, start.points, start.feasibility
         notes, warnings = notes + start.notes, start.warnings
     started = time.perf_counter()
@@ -96,7 +99,7 @@ def solve_flat(
         progress,
         should_stop,
     )
-    laid, prescribed = contracted_solution(tessellation, outcome.points, planar.length, contracted)
+    flat, prescribed = contracted_solution(tessellation, outcome.points, planar.length, contracted)
     return Solved(
         tessellation,
         initial,
@@ -108,7 +111,7 @@ def solve_flat(
         started,
         feasible,
         planar.boundary,
-        laid,
+        flat,
         prescribed,
         freedom_of(outcome, planar.problem(outcome.points, Weights(), ()), n),
     )

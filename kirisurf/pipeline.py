@@ -21,6 +21,7 @@ from kirisurf.solved import Solved
 from kirisurf.solvers.choice import default_steps
 from kirisurf.solvers.outcome import Limits
 from kirisurf.spec import FitSpec
+from kirisurf.start import Laid
 from kirisurf.states import Fit, Step
 from kirisurf.status import Status
 from kirisurf.surface import Surface
@@ -43,6 +44,7 @@ def fit_surface(
     spec: FitSpec,
     progress: Callable[[Step], None] | None = None,
     should_stop: Callable[[], bool] | None = None,
+    laid: Laid | None = None,
 ) -> FitResult:
     """Fit a kirigami sheet to a surface, or to the inside of a planar outline.
 
@@ -55,6 +57,8 @@ def fit_surface(
         Called with every accepted step of the solver.
     should_stop : callable, optional
         Asked after every step; where it says True, the best point so far is the result.
+    laid : callable, optional
+        Called with the start before the solve, where a pattern is laid on the target.
 
     Returns
     -------
@@ -87,7 +91,7 @@ def fit_surface(
         return limits if spec.max_seconds is None else replace(limits, max_seconds=spec.max_seconds - (clock() - began))
 
     solve = solve_curved if surface.outline is None else solve_flat
-    solved = solve(surface, spec, left, progress, should_stop)
+    solved = solve(surface, spec, left, progress, should_stop, laid)
     ended = clock()
     fit = Fit(solved.tessellation, frozen(solved.points), solved.edge_length, solved.outcome.status, solved.history)
     contracted = contract(solved.tessellation, fit.points, like=solved.contracted)

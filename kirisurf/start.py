@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,6 +50,10 @@ class Start:
     warnings: tuple[str, ...]
     feasibility: Feasibility
     layout: Layout | None = None
+
+
+Laid = Callable[[Start], None]
+"""Receives what is known before the solve."""
 
 
 def make_start(surface: Surface, spec: FitSpec, ground: Ground | None = None) -> Start:

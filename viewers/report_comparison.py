@@ -12,7 +12,7 @@ import numpy as np
 from viewers import charts
 from viewers.fields import unit_label
 from viewers.number_words import measures_by_heading
-from viewers.parts import ReportParts, is_planar
+from viewers.parts import ReportParts, designed_gap, is_planar
 from viewers.report_bins import robust_span
 from viewers.report_numbers import POWERS, good_curvatures, report_numbers
 from viewers.report_page import Picture, chart_picture, embed, formatted, page_template, shower
@@ -121,6 +121,7 @@ def comparison_html(runs: Sequence[ReportParts]) -> str:
         tables=_tables(runs, numbers, show),
         multiples=_multiples(runs),
         same=numbers["compares"],
+        some_stay_open=any(designed_gap(run) is not None for run in runs),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import TYPE_CHECKING
 
 from kirisurf.cli.certificate_table import certificate_table
 from kirisurf.cli.interruption import Interruption
@@ -12,6 +13,9 @@ from kirisurf.runs import Run, RunFolder
 from kirisurf.runs.folder import is_certified
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
+
+if TYPE_CHECKING:
+    from kirisurf.start import Start
 
 UNFINISHED = (6, 130)
 """Codes of a solve that was cut short."""
@@ -39,7 +43,14 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
         seconds = time.perf_counter() - began
         stop.stage = "solving"
         progress.stage("solving")
-        design = fit_loaded(spec, surface, notes, seconds, progress.step, stop)
+
+        def laid(start: Start) -> None:
+            """Say before the solve what the target asks for, and what may not be reached."""
+            for sentence in (start.feasibility.sentence, start.feasibility.advice, *start.warnings):
+                if sentence:
+                    progress.say(sentence)
+
+        design = fit_loaded(spec, surface, notes, seconds, progress.step, stop, laid)
         stop.stage = "saving"
         unfinished = design.status.exit_code in UNFINISHED
         if unfinished and is_certified(opened.path):
@@ -62,8 +73,11 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
 def _tell(run: Run, output: Output) -> None:
     """Print what a person needs to know of a finished run, the verdict last."""
     result, beside = run.result, run.result["certificate_beside"]
+    foretold = (result.get("feasibility") or {}).get("sentence")
     for sentence in result["notes"]:
-        output.message(f"note: {sentence}")
+        # that was said before the solve
+        if not (foretold and sentence.startswith(foretold)):
+            output.message(f"note: {sentence}")
     output.message(certificate_table(result["certificate"], beside["limits"]))
     edge = f"{result['edge_length']:.6g} {result['units']}"
     output.message(f"{result['tiles']} tiles, {result['holes']} holes, median tile edge {edge}")

@@ -26,6 +26,10 @@ class Progress(Protocol):
         """Show one step of the solver."""
         ...
 
+    def say(self, words: str) -> None:
+        """Say something that stays."""
+        ...
+
 
 def step_text(number: int, step: Step) -> str:
     """Return one line on a step: its number, the largest residual of every block, the seconds so far.
@@ -76,6 +80,11 @@ class Lines:
         if self._clock() - self._told_at >= 1.0:
             self._told_at = self._clock()
             self._finish()
+
+    def say(self, words: str) -> None:
+        """Print it."""
+        self._finish()
+        self._tell(words)
 
     def _finish(self) -> None:
         if self._pending:
@@ -132,3 +141,7 @@ class Bar:
             share = math.log(self._first / worst) / math.log(self._first / self._tolerance)
         rows = " ".join(f"{name} {value:.0e}" for name, value in step.residuals.items())
         self._shown.update(self._task, description=f"step {self._steps}", completed=share, residuals=rows)
+
+    def say(self, words: str) -> None:
+        """Print it above the bar."""
+        self._shown.console.print(words, markup=False, highlight=False)

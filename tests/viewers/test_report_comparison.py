@@ -165,3 +165,10 @@ def test_files_are_written_by_their_suffix_and_need_a_run(parts, tmp_path):
     assert '"runs"' in write_report([parts, parts], tmp_path / "both.json").read_text(encoding="utf-8")
     with pytest.raises(ParameterError, match="at least one run"):
         write_report([], tmp_path / "none.html")
+
+
+def test_openings_by_design_are_explained(parts):
+    limits = {**parts.limits, "gap_contracted": 1e-9}
+    hexagons = replace(parts, certificate={**parts.certificate, "gap_contracted": 0.3}, limits=limits)
+    assert "by design" in Page(comparison_html([parts, hexagons])).text
+    assert "by design" not in Page(comparison_html([parts, parts])).text

@@ -19,6 +19,8 @@ a window; a window or a page holds one of each and moves them on:
 `opening`               the first state and results of a target or a run: `open_any(name, **options)`
 `session.Session`       holds all of these and moves them on: `do`, `undo`, `fit`, `preview`, `listen`, `scenes`
 `progress`              how far a fit is, as a share and in words
+`views.Views`           both views in one pyvista plotter: `show(scenes)`, `hit`, `link`, `reset`
+`placing.Placing`       a pattern that a hand turns and sizes: `drag`, `follow`
 ======================  ================================================================================
 
 What a window does, on a timer::
@@ -28,5 +30,5 @@ What a window does, on a timer::
     if session.listen():
         contracted, deployed = session.scenes()
 
-Nothing of it knows Qt or VTK; `desktop` is the window.
+Nothing of it knows Qt or the browser; `desktop` is the window, `web` the page.
 """

@@ -40,6 +40,9 @@ def test_the_run_is_told_to_people_and_programs(tmp_path: Path, capsys: Captured
     assert (
         "step   1: length" in err and "certified. Converged" in err and "planarity" in err and "takes it as mm" in err
     )
+    # what the target asks for is said before the solve, and once
+    asked = "The target asks for stretches"
+    assert err.count(asked) == 1 and err.index(asked) < err.index("step   1: length")
     assert main([*words, str(tmp_path / "b"), "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed["status"] == "CONVERGED" and printed["folder"] == str(tmp_path / "b")
