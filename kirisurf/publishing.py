@@ -272,9 +272,9 @@ def serve_workbench(
     from concurrent.futures import ThreadPoolExecutor
 
     from viewers.opengl import probe
-    from viewers.workbench.web.engine import WebEngine
+    from viewers.workbench.engine import Engine
 
-    engine, shown = WebEngine(), list[str]()
+    engine, shown = Engine(), list[str]()
 
     def tell(address: str) -> None:
         shown.append(address)

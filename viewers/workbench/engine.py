@@ -8,8 +8,11 @@ interpreter's lock at times. Measured at 16x16 tiles on two cores: a 60 Hz timer
 from __future__ import annotations
 
 import multiprocessing
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event as Flag
@@ -80,7 +83,8 @@ class Engine:
         process = self._context.Process(
             target=self._target, args=(theirs, self._stop, time.time()), name="kirisurf engine", daemon=True
         )
-        process.start()
+        with _interrupts_ignored():
+            process.start()
         theirs.close()
         self._connection, self._process = ours, process
 
@@ -104,9 +108,9 @@ class Engine:
         """Ask the solver to end at its best point, which is then reported as any other."""
         self._stop.set()
 
-    def save(self, folder: str, overwrite: bool = False, pictures: bool = True) -> None:
-        """Ask for a run folder of the last fit."""
-        self._ask(SaveRun(folder, overwrite, pictures))
+    def save(self, folder: str, overwrite: bool = False, pictures: bool = True, carries_target: bool = False) -> None:
+        """Ask for a run folder of the last fit; see :class:`viewers.workbench.events.SaveRun`."""
+        self._ask(SaveRun(folder, overwrite, pictures, carries_target))
 
     def cut(self, path: str, hinge_width: float | None = None, kerf: float = 0.0) -> None:
         """Ask for a cut file of the last fit, .svg or .dxf."""
@@ -164,3 +168,19 @@ class Engine:
         self.close()
         how = f"signal {-code}" if code is not None and code < 0 else f"code {code}"
         return f"The engine ended unexpectedly ({how}); what was shown stays, and the next fit starts it again."
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Let a process that is started here ignore Ctrl-C in the terminal from its first moment on.
+
+    Only the main thread may say so; from another one, the process does it itself a little later.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -45,11 +45,20 @@ class Job:
 
 @dataclass(frozen=True)
 class SaveRun:
-    """Write a run folder of the last fit; without `overwrite` it has to be new or empty."""
+    """Write a run folder of the last fit; without `overwrite` it has to be new or empty.
+
+    Attributes
+    ----------
+    folder : str
+    overwrite, pictures : bool
+    carries_target : bool
+        Its spec names the target that is saved beside it, and not the file that was read, which will be gone.
+    """
 
     folder: str
     overwrite: bool = False
     pictures: bool = True
+    carries_target: bool = False
 
 
 @dataclass(frozen=True)

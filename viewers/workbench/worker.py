@@ -291,7 +291,10 @@ class Worker:
             # from the start again: run.toml then repeats the run to the last digit, whatever the window showed before
             result = fit_surface(known.surface, known.spec)
             result = replace(result, notes=known.notes + result.notes)
-        design = Design(known.spec, replace(result, seconds={"load": 0.0, **result.seconds}), frozen(known.origin))
+        # an outline is more than the mesh that is saved of it
+        carries_target = request.carries_target and known.surface.outline is None
+        spec = known.spec.changed(target="./target.vtp") if carries_target else known.spec
+        design = Design(spec, replace(result, seconds={"load": 0.0, **result.seconds}), frozen(known.origin))
         run = design.save(Path(request.folder), overwrite=request.overwrite, pictures=request.pictures)
         self._send(Written(str(run.folder), time.perf_counter() - began))
 

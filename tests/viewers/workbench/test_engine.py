@@ -9,6 +9,9 @@ import time
 import numpy as np
 import pytest
 
+from kirisurf.cli import main
+from kirisurf.formats import write_obj
+from kirisurf.loops import Loops
 from kirisurf.pipeline import fit_surface
 from kirisurf.runs import read_run
 from kirisurf.spec import FitSpec
@@ -125,6 +128,18 @@ def test_a_cut_file_is_that_of_the_fit_on_show(desk, spec, tmp_path):
     heard = desk.ask(CutFile(str(tmp_path / "wide.svg"), hinge_width=100.0))
     assert isinstance(heard[-1], Failed) and "hinge" in heard[-1].message
     assert not (tmp_path / "wide.svg").exists()
+
+
+def test_a_run_that_carries_its_target_needs_no_other_file(desk, tmp_path):
+    surface = load("hypar", resolution=12)
+    triangles = Loops(np.arange(0, 3 * len(surface.faces) + 1, 3), surface.faces.ravel())
+    write_obj(tmp_path / "mine.obj", surface.vertices, triangles)
+    desk.fit(FitSpec(target=str(tmp_path / "mine.obj"), cells=(2, 2)))
+    heard = desk.ask(SaveRun(str(tmp_path / "run"), pictures=False, carries_target=True))
+    assert isinstance(heard[-1], Written), heard
+    (tmp_path / "mine.obj").unlink()
+    assert main(["fit", "--spec", str(tmp_path / "run" / "run.toml"), "-o", str(tmp_path / "b"), "--no-pictures"]) == 0
+    assert np.array_equal(read_run(tmp_path / "b").deployed, read_run(tmp_path / "run").deployed)
 
 
 def test_a_saved_run_is_that_of_its_spec_and_opens_again(desk, spec, tmp_path):
