@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kirisurf.cli import main
+from kirisurf.errors import UnreadableError
 from kirisurf.formats import write_obj
 from kirisurf.loops import Loops
 from kirisurf.pipeline import fit_surface
@@ -163,7 +164,10 @@ def test_saving_nothing_is_refused(desk, tmp_path):
     assert "expected a fit" in desk.ask(SaveRun(str(tmp_path / "run"), pictures=False))[-1].message
 
 
-def test_options_come_on_top_of_those_of_a_target():
+def test_options_come_on_top_of_those_of_a_target(tmp_path):
+    for missing in ("no_such_surface", str(tmp_path / "none.obj")):
+        with pytest.raises(UnreadableError):
+            open_any(missing)
     state, results = open_any("hypar", cells=(5, 4), min_angle=7.0)
     assert state == State(state.spec) and state.spec.cells == (5, 4) and state.spec.min_angle == 7.0
     assert results.sheet is None
