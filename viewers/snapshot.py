@@ -26,6 +26,9 @@ SIZE = (1360, 1020)
 LINES, LINES_OF_PANEL = 36.0, 26.0
 """Lines of text that would fit across a picture, and across one panel of an overview: fewer are larger letters."""
 
+WIDE = 3
+"""Most scenes in a row of an overview: more leave their text too small on a page."""
+
 SUPERSAMPLING = 2
 _DPI = 100.0
 
@@ -66,23 +69,26 @@ def render(scene: Scene, path: Path | str, size: tuple[int, int] = SIZE, lines: 
 def render_overview(
     scenes: Sequence[Scene] | Mapping[str, Scene],
     path: Path | str,
-    columns: int = 5,
+    columns: int | None = None,
     panel: tuple[int, int] = (640, 600),
     lines: float = LINES_OF_PANEL,
 ) -> Path:
-    """Write several scenes as one picture at one scale, `columns` in a row; raises as `render`.
+    """Write several scenes as one picture at one scale, in rows; raises as `render`.
 
     Parameters
     ----------
     scenes : sequence or mapping of Scene
     path : path
-    columns : int
+    columns : int, optional
+        Scenes in a row; by default at most `WIDE`, in rows as even as they can be.
     panel : (int, int)
         Width and height of one scene in pixels.
     lines : float
         Width of a panel over the height of a line of its text.
     """
     scenes = list(scenes.values()) if isinstance(scenes, Mapping) else list(scenes)
+    if columns is None:
+        columns = -(-len(scenes) // max(1, -(-len(scenes) // WIDE)))
     if not scenes or columns < 1:
         raise ParameterError(f"overview: expected scenes and columns, got {len(scenes)} scenes and {columns} columns")
     columns = min(columns, len(scenes))

@@ -88,7 +88,7 @@ def test_the_color_bar_marks_what_is_possible(sheet, tmp_path):
 @pytest.mark.usefixtures("opengl", "no_open_plotter")
 def test_the_overview_holds_all_scenes_side_by_side(sheet, tmp_path):
     path = render_overview(standard_scenes(sheet), tmp_path / "overview.png", panel=(160, 150))
-    assert size_of(path) == (800, 150)
+    assert size_of(path) == (480, 300)
     grid = render_overview(list(standard_scenes(sheet).values()), tmp_path / "grid.png", columns=2, panel=(160, 150))
     assert size_of(grid) == (320, 450)
 
