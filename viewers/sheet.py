@@ -16,6 +16,9 @@ from kirisurf.surface import Surface
 from viewers.fields import Field, describe_field
 from viewers.framing import FROM_ABOVE, View, choose_view
 
+_OF_CURVATURE = ("angle_defect", "gauss_image_area", "angle_excess")
+"""Fields of curvature that are called otherwise."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
@@ -61,11 +64,12 @@ class Sheet:
     @property
     def colorings(self) -> tuple[tuple[str, str], ...]:
         """Fields worth looking at as (where, name): no flags, and of a planar sheet no curvatures."""
-        return tuple(
-            (where, name)
-            for where, name in self.fields
-            if name != "flag" and not (self.is_planar and "curvature" in name)
-        )
+        is_planar = self.is_planar
+
+        def says_nothing(name: str) -> bool:
+            return name == "flag" or (is_planar and ("curvature" in name or name in _OF_CURVATURE))
+
+        return tuple((where, name) for where, name in self.fields if not says_nothing(name))
 
     @classmethod
     def from_arrays(

@@ -61,6 +61,7 @@ def measure(target: str, grid: int, began: float) -> dict[str, float]:
     bench = Workbench(Session(state, results, engine), "benchmark")
     bench.window.show()
     found: dict[str, float] = {}
+    half = grid // 2
 
     def wait(done: Callable[[], bool]) -> float:
         """Seconds until something is so, and on the screen."""
@@ -113,7 +114,7 @@ def measure(target: str, grid: int, began: float) -> dict[str, float]:
         for key, name, values in (
             ("bound", "min_angle", [4.0 + 0.5 * k for k in range(REPEATS)]),
             ("opening", "opening", [40.0 + 2 * k for k in range(REPEATS)]),
-            ("pattern", "cells", [(grid // 2, grid // 2 + 1 - 2 * (k % 2)) for k in range(REPEATS - 1)]),
+            ("pattern", "cells", [(side, side) for side in (half + 1, half - 1, half + 1, half)]),
         ):
             found[key], found[f"{key} colored"] = change(name, values)
         frames = []

@@ -40,7 +40,7 @@ class Line:
 def picked_lines(sheet: Sheet, selection: Selection | None) -> tuple[Line, ...]:
     """Return every field's value at what is picked; vertex fields as the largest absolute value at its corners.
 
-    Angles are given in degrees.
+    Angles are given in degrees; curvature that was integrated stays in radians, as on the color bar.
     """
     loops = None if selection is None else sheet.tiles if selection.kind == "tile" else sheet.holes
     if selection is None or loops is None or selection.number >= len(loops):
@@ -91,6 +91,6 @@ def _line(sheet: Sheet, where: str, name: str, value: float) -> Line:
     field = describe_field(name, where, np.array([value]), sheet.units, (0.0, 1.0))
     if name == "flag":
         return Line("patch", "not determined by the vertices" if value else "trustworthy")
-    if field.unit == "rad" and not name.startswith("residual"):
+    if field.unit == "rad" and "angle" in name and name not in ("angle_defect", "angle_excess"):
         return Line(field.label, number(round(float(np.degrees(value)), 6)), "\N{DEGREE SIGN}")
     return Line(field.label, number(None if np.isnan(value) else value), field.unit)

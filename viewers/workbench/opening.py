@@ -15,7 +15,7 @@ from kirisurf.origin import moved, round_origin
 from kirisurf.spec import FitSpec
 from kirisurf.states import Step
 from kirisurf.status import Status
-from kirisurf.targets import is_outline_name, is_sample, load, loaded, resolved, target_name
+from kirisurf.targets import is_outline_name, is_sample, loaded, resolved, target_name
 from kirisurf.topology import require_disk
 from viewers.workbench.events import Certified, Fitted, Shape
 from viewers.workbench.results import Results
@@ -39,13 +39,12 @@ def opened_target(target: str, **options: Any) -> tuple[State, Results]:
     ------
     ParameterError
         Where an option is wrong.
-    UnreadableError
-        Where there is no such file and no such name.
+    UnreadableError, UnusableError
+        Where there is no such target, or it can be none; this is said before a window opens.
     """
     spec = resolved(FitSpec(target=target_name(target), **options), sized=bool({"cells", "tiles"} & set(options)))
-    if not (is_sample(spec.target) or is_outline_name(spec.target) or os.path.exists(spec.target)):
-        # said before a window opens; reading it fails with the words of every other command
-        load(spec.target)
+    if not (is_sample(spec.target) or is_outline_name(spec.target)):
+        _check(spec)
     return State(spec), Results()
 
 
@@ -91,8 +90,13 @@ def check_target(name: str) -> None:
     KirisurfError
         Where it can be no target.
     """
-    surface = loaded(FitSpec(target=target_name(name)))[1]
-    require_disk(moved(surface, round_origin(surface)))
+    _check(FitSpec(target=target_name(name)))
+
+
+def _check(spec: FitSpec) -> None:
+    surface = loaded(spec)[1]
+    if not (spec.repair or spec.remesh):
+        require_disk(moved(surface, round_origin(surface)))
 
 
 def retargeted(state: State, target: str) -> State:

@@ -74,7 +74,7 @@ def options() -> tuple[Option, ...]:
             "Orientation",
             "Pattern",
             "number",
-            "Of a trimmed pattern, from the long side of the outline. Or drag on the target with Shift held.",
+            "Of a trimmed pattern, from the long side of the outline. Or drag it: Place pattern.",
             least=-180,
             most=180,
             step=5,

@@ -52,6 +52,8 @@ def deployed_view(state: State, results: Results, poses: Poses | None = None) ->
         found = coloring(state, results)
         points = poses.at(state.share)
         title, note = _title(state, sheet, found)
+        if not results.is_current:
+            title += ", before the change"
         drawn = sheet_items(sheet, points, found, holes=Stage.HOLES in state.shown)
         items += [item for item in drawn if Stage.FIT in state.shown or item.name == "holes"]
         items += _picked(state.selection, sheet, points)

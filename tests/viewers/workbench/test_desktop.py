@@ -11,11 +11,17 @@ import numpy as np
 import pytest
 
 from viewers.workbench.desktop import probing
+from viewers.workbench.desktop.actions import ANIMATIONS, DRAWINGS, PICTURES
+from viewers.workbench.desktop.asking import free_name, with_suffix
+from viewers.workbench.desktop.option_panel import in_labels
 from viewers.workbench.desktop.painting import ticks
 from viewers.workbench.desktop.qt import INSTALL_LINE, is_installed
 from viewers.workbench.engine import Engine
-from viewers.workbench.events import Ended, Fitted
+from viewers.workbench.events import Began, Ended, Fitted, Written
+from viewers.workbench.field_groups import field_groups
+from viewers.workbench.options import options
 from viewers.workbench.pipeline import Stage
+from viewers.workbench.scene import colorings
 from viewers.workbench.session import Session
 from viewers.workbench.state import Selection, State
 
@@ -78,6 +84,34 @@ def test_ticks_are_round_and_within():
         found = ticks(low, high)
         assert 3 <= len(found) <= 9 and min(found) >= low - 1e-12 and max(found) <= high + 1e-12
         assert low > 0 or 0.0 in found
+
+
+def test_every_field_is_listed_once_by_its_place_with_its_unit(fitted):
+    known = colorings(fitted)
+    listed = [(choice.where, choice.name) for group in field_groups(known, "mm") for choice in group.choices]
+    assert sorted(listed) == sorted(known)
+    backward = field_groups(reversed((*known, ("tile", "unheard_of"))), "mm")
+    assert any("mm" in choice.unit for group in backward for choice in group.choices)
+    assert [choice.name for group in backward for choice in group.choices if group.title[0] == "T"][-1] == "unheard_of"
+
+
+def test_a_name_for_a_folder_is_one_that_nothing_has(tmp_path):
+    for count in (1, 2, 3):
+        name = free_name(str(tmp_path / "run"))
+        assert not (tmp_path / name).exists() and name.startswith("run") and (count > 1) == (name != "run")
+        (tmp_path / name).mkdir()
+
+
+def test_the_suffix_of_a_file_is_that_of_its_kind_and_stands_once():
+    for kind in (*DRAWINGS, *PICTURES, *ANIMATIONS):
+        once = with_suffix("hood", kind)
+        assert once != "hood" and with_suffix(once, kind) == once and with_suffix(once.upper(), kind) == once.upper()
+
+
+def test_every_option_is_called_by_its_label():
+    for option in options():
+        words = in_labels(f"--{option.name.replace('_', '-')}: expected, --{option.name.replace('_', '-')}-other")
+        assert words.startswith(f"{option.label}: ") and words.endswith("-other") and words.count("--") == 1
 
 
 def test_without_qt_one_sentence_says_how_to_install_it(monkeypatch):
@@ -161,6 +195,83 @@ def test_another_target_is_taken_and_a_broken_one_is_not(bench, tmp_path):
     assert bench.session.state.spec == before
 
 
+def test_a_problem_stays_until_the_next_deed_whatever_a_fit_tells(bench, tmp_path):
+    broken = tmp_path / "broken.obj"
+    broken.write_text("v 0 0 0\nf 1 2 3\n")
+    bench.fit()
+    bench.open(str(broken))
+    said = bench.status.text()
+    bench.session.engine.reports = [Began(bench.session.results.job, Stage.FIT, "solving")]
+    bench.tick()
+    assert "broken.obj" in said and bench.status.text() == said and bench.status.objectName() == "problem"
+    bench.fit()
+    assert bench.status.text() != said and bench.status.objectName() == "muted"
+
+
+def test_the_title_names_the_target_and_follows_undo(bench):
+    bench.open("saddle_roof")
+    assert bench.window.windowTitle() == "kirisurf: saddle_roof"
+    bench.undo()
+    assert bench.window.windowTitle() == "test"
+
+
+def test_keys_of_undo_and_an_idle_wheel_pass_an_editor_by(bench):
+    from viewers.workbench.desktop.qt import qt
+
+    core, gui, editor = qt().core, qt().gui, bench.panel.editor("min_angle")
+    kinds, modifiers = core.QEvent.Type, core.Qt.KeyboardModifier
+    undo = gui.QKeyEvent(kinds.ShortcutOverride, core.Qt.Key.Key_Z, modifiers.ControlModifier)
+    qt().widgets.QApplication.sendEvent(editor.lineEdit(), undo)
+    assert not undo.isAccepted()
+    place = core.QPointF(5.0, 5.0)
+    wheel = gui.QWheelEvent(
+        place,
+        editor.mapToGlobal(place),
+        core.QPoint(),
+        core.QPoint(0, 120),
+        core.Qt.MouseButton.NoButton,
+        modifiers.NoModifier,
+        core.Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
+    editor.clearFocus()
+    before = editor.value()
+    qt().widgets.QApplication.sendEvent(editor, wheel)
+    assert editor.value() == before and bench.session.engine.asked == []
+
+
+def test_a_row_that_fails_comes_first_and_the_tab_and_the_line_say_so(bench, fitted):
+    known = fitted.certified
+    failing = replace(known, failures=("coverage: expected more",))
+    bench.session.results = replace(bench.session.results, certified=failing, said="")
+    bench.refresh()
+    assert bench.side.certificate.item(0, 0).text() == "Coverage" and bench.side.tabs.tabText(2).endswith("\u2717")
+    assert "Coverage" in bench.status.text() and bench.status.objectName() == "problem"
+    bench.session.results = replace(bench.session.results, certified=known)
+    bench.refresh()
+    assert bench.side.tabs.tabText(2) == "Certificate" and bench.status.objectName() == "muted"
+
+
+def test_the_picture_follows_the_size_of_the_window_until_it_is_turned(bench, monkeypatch):
+    resets = []
+    monkeypatch.setattr(bench.canvas.views, "reset", lambda *size: resets.append(size))
+    bench.canvas.reset_view()
+    bench.canvas._resized()
+    assert len(resets) == 2
+    camera = bench.canvas.plotter.renderers[0].camera
+    camera.position = np.array(camera.position) + 1.0
+    bench.canvas._resized()
+    assert len(resets) == 2
+
+
+def test_headings_of_the_list_of_fields_cannot_be_chosen_and_every_field_can(bench):
+    box = bench.side.fields
+    rows = [(box.itemData(k), box.model().item(k).isEnabled()) for k in range(box.count())]
+    chosen = {data for data, enabled in rows if enabled and data}
+    assert chosen == {f"{where}/{name}" for where, name in colorings(bench.session.results)}
+    assert all(data is not None for data, enabled in rows[1:] if enabled)
+
+
 def test_choosing_a_field_colors_and_undo_restores_the_choice(bench):
     index = bench.side.fields.findData("tile/area")
     bench.side.fields.setCurrentIndex(index)
@@ -198,6 +309,18 @@ def test_reports_of_the_engine_reach_the_picture(bench, fitted):
     bench.tick()
     assert np.allclose(drawn(bench, 1, "tiles").data.points, moved)
     assert bench.actions["save"].isEnabled() and not bench.actions["stop"].isEnabled()
+
+
+def test_a_sheet_of_other_options_is_not_written_and_the_line_asks_for_a_fit(bench, fitted):
+    bench.fit()
+    bench.session.engine.reports = [replace(fitted.fitted, job=1), Written("here.svg")]
+    bench.tick()
+    assert bench.actions["cut"].isEnabled() and "here.svg" in bench.status.text()
+    bench.live(False)
+    bench.change("min_angle", 12.0)
+    assert not bench.actions["cut"].isEnabled() and "press Fit" in bench.status.text()
+    bench.undo()
+    assert bench.actions["cut"].isEnabled()
 
 
 def test_dragging_lays_the_pattern_and_letting_go_fits_it(bench):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from kirisurf.cli import main
-from kirisurf.errors import UnreadableError
+from kirisurf.errors import UnreadableError, UnusableError
 from kirisurf.formats import write_obj
 from kirisurf.loops import Loops
 from kirisurf.pipeline import fit_surface
@@ -165,9 +165,10 @@ def test_saving_nothing_is_refused(desk, tmp_path):
 
 
 def test_options_come_on_top_of_those_of_a_target(tmp_path):
-    for missing in ("no_such_surface", str(tmp_path / "none.obj")):
-        with pytest.raises(UnreadableError):
-            open_any(missing)
+    (tmp_path / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    for wrong in ("no_such_surface", str(tmp_path / "none.obj"), str(tmp_path / "broken.obj")):
+        with pytest.raises((UnreadableError, UnusableError)):
+            open_any(wrong)
     state, results = open_any("hypar", cells=(5, 4), min_angle=7.0)
     assert state == State(state.spec) and state.spec.cells == (5, 4) and state.spec.min_angle == 7.0
     assert results.sheet is None

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kirisurf.formats.source import FORMATS
-from kirisurf.outlines.reading import FORMATS as OUTLINE_FORMATS
+from viewers.workbench.desktop.asking import ask_folder, ask_target, ask_where, with_suffix
 from viewers.workbench.desktop.qt import qt
 from viewers.workbench.events import Draw
 from viewers.workbench.scene import deployment_scenes, turntable_scenes
 
 if TYPE_CHECKING:
     from viewers.workbench.desktop.window import Workbench
+
+DRAWINGS = ("Drawings for laser cutters (*.svg)", "Drawings for CAD (*.dxf)")
+PICTURES = ("Pictures (*.png)",)
+ANIMATIONS = ("Animations (*.gif)",)
 
 
 def add_actions(bench: Workbench) -> dict[str, Any]:
@@ -25,8 +29,10 @@ def add_actions(bench: Workbench) -> dict[str, Any]:
     bench.window.addToolBar(bar)
     made: dict[str, Any] = {}
 
-    def add(name: str, words: str, tip: str, act: Any, keys: str = "", checked: bool | None = None) -> None:
-        action = bar.addAction(words)
+    def add(
+        name: str, words: str, tip: str, act: Any, keys: str = "", checked: bool | None = None, place: Any = bar
+    ) -> None:
+        action = place.addAction(words)
         action.setToolTip(f"{tip}  ({keys})" if keys else tip)
         if keys:
             action.setShortcut(keys)
@@ -73,14 +79,27 @@ def add_actions(bench: Workbench) -> dict[str, Any]:
         lambda: save_run(bench),
         "Ctrl+S",
     )
-    add("snapshot", "Snapshot \u2026", "Write both pictures as PNG", lambda: save_snapshot(bench), "Ctrl+P")
-    add(
-        "deployment",
-        "Deployment \u2026",
-        "Write an animation between the two states as GIF",
-        lambda: save_deployment(bench),
-    )
-    add("turntable", "Turntable \u2026", "Write an animation that turns once as GIF", lambda: save_turntable(bench))
+    menu = widgets.QMenu(bench.window)
+    menu.setToolTipsVisible(True)
+    button = widgets.QToolButton()
+    button.setObjectName("pictures")
+    button.setText("Pictures")
+    button.setToolTip("Write pictures and animations of the sheet")
+    button.setPopupMode(widgets.QToolButton.ToolButtonPopupMode.InstantPopup)
+    button.setMenu(menu)
+    bar.addWidget(button)
+    for name, words, tip, act, keys in (
+        ("snapshot", "Snapshot \u2026", "Write both pictures as PNG", save_snapshot, "Ctrl+P"),
+        (
+            "deployment",
+            "Deployment \u2026",
+            "Write an animation between the two states (interpolated) as GIF",
+            save_deployment,
+            "",
+        ),
+        ("turntable", "Turntable \u2026", "Write an animation that turns once as GIF", save_turntable, ""),
+    ):
+        add(name, words, tip, partial(act, bench), keys, place=menu)
     return made
 
 
@@ -88,14 +107,16 @@ def enable(bench: Workbench) -> None:
     """Let those actions be done that mean something now."""
     results, history = bench.session.results, bench.session.history
     is_idle, has_sheet = results.running is None, results.sheet is not None
+    # a sheet of other options than those on show is not written under their name
+    can_write = is_idle and results.is_current and results.job > 0 and not bench.session.is_stale
     for name, can in {
         "stop": not is_idle,
         "resume": results.can_resume and not bench.session.is_stale,
         "undo": bool(history.past),
         "redo": bool(history.future),
         "open": True,
-        "cut": is_idle and results.is_current and results.job > 0,
-        "save": is_idle and results.is_current and results.job > 0,
+        "cut": can_write,
+        "save": can_write,
         "snapshot": is_idle and results.target is not None,
         "deployment": is_idle and has_sheet,
         "turntable": is_idle and has_sheet,
@@ -105,73 +126,52 @@ def enable(bench: Workbench) -> None:
 
 def open_target(bench: Workbench) -> None:
     """Ask for a file and fit it."""
-    dialog = qt().widgets.QFileDialog
-    patterns = " ".join(f"*{suffix}" for suffix in sorted({*FORMATS, *OUTLINE_FORMATS}))
-    kinds = f"Meshes and outlines ({patterns});;All files (*)"
-    name = str(
-        dialog.getOpenFileName(bench.window, "Open a target", "", kinds, options=dialog.Option.DontUseNativeDialog)[0]
-    )
+    name = ask_target(bench.window)
     if name:
         bench.open(name)
 
 
 def save_cut_file(bench: Workbench) -> None:
     """Ask for a file and write the cut pattern."""
-    kinds = "Drawings for laser cutters (*.svg);;Drawings for CAD (*.dxf)"
-    name = _asked(bench, "Save the cut file", f"{_stem(bench)}-cut.svg", kinds)
+    name = ask_where(bench.window, "Save the cut file", f"{_stem(bench)}-cut.svg", DRAWINGS)
     if name:
-        bench.session.cut(name if name.lower().endswith((".svg", ".dxf")) else f"{name}.svg")
-        bench.refresh()
+        bench.write(partial(bench.session.cut, name if name.lower().endswith((".svg", ".dxf")) else f"{name}.svg"))
 
 
 def save_run(bench: Workbench) -> None:
     """Ask for a folder and write the run into it."""
-    name = _asked(bench, "Save the run in a new folder", f"{_stem(bench)}-run", "")
+    name = ask_folder(bench.window, "Save the run in a new folder", f"{_stem(bench)}-run")
     if name:
-        bench.session.save(name)
-        bench.refresh()
+        bench.write(partial(bench.session.save, name))
 
 
 def save_snapshot(bench: Workbench) -> None:
     """Ask for a file and write both pictures as they are described, at one scale, with their bars."""
-    name = _asked(bench, "Save both pictures", f"{_stem(bench)}.png", "Pictures (*.png)")
+    name = ask_where(bench.window, "Save both pictures", f"{_stem(bench)}.png", PICTURES)
     if name:
         scenes = tuple(scene for scene in bench.session.scenes() if scene.items)
-        _draw(bench, Draw(scenes, _with_suffix(name, ".png"), (1100, 1000)))
+        _draw(bench, Draw(scenes, with_suffix(name, PICTURES[0]), (1100, 1000)))
 
 
 def save_deployment(bench: Workbench) -> None:
     """Ask for a file and write the way from contracted to deployed and back."""
-    name = _asked(bench, "Save the deployment", f"{_stem(bench)}-deployment.gif", "Animations (*.gif)")
+    name = ask_where(bench.window, "Save the deployment", f"{_stem(bench)}-deployment.gif", ANIMATIONS)
     if name:
         scenes = deployment_scenes(bench.session.state, bench.session.results)
-        _draw(bench, Draw(scenes, _with_suffix(name, ".gif"), (800, 640)))
+        _draw(bench, Draw(scenes, with_suffix(name, ANIMATIONS[0]), (800, 640)))
 
 
 def save_turntable(bench: Workbench) -> None:
     """Ask for a file and write the deployed sheet turning once."""
-    name = _asked(bench, "Save the turntable", f"{_stem(bench)}-turntable.gif", "Animations (*.gif)")
+    name = ask_where(bench.window, "Save the turntable", f"{_stem(bench)}-turntable.gif", ANIMATIONS)
     if name:
-        _draw(bench, Draw(turntable_scenes(bench.session.scenes()[1]), _with_suffix(name, ".gif"), (800, 640)))
+        scenes = turntable_scenes(bench.session.scenes()[1])
+        _draw(bench, Draw(scenes, with_suffix(name, ANIMATIONS[0]), (800, 640)))
 
 
 def _draw(bench: Workbench, request: Draw) -> None:
-    bench.session.draw(request)
-    bench.refresh()
-
-
-def _asked(bench: Workbench, title: str, name: str, kinds: str) -> str:
-    """Ask where to write; empty where the user would rather not."""
-    dialog = qt().widgets.QFileDialog
-    options = dialog.Option.DontUseNativeDialog
-    if not kinds:
-        options |= dialog.Option.DontConfirmOverwrite
-    return str(dialog.getSaveFileName(bench.window, title, name, kinds, options=options)[0])
+    bench.write(partial(bench.session.draw, request))
 
 
 def _stem(bench: Workbench) -> str:
     return Path(bench.session.state.spec.target).stem
-
-
-def _with_suffix(name: str, suffix: str) -> str:
-    return name if name.lower().endswith(suffix) else name + suffix

@@ -59,6 +59,7 @@ class Canvas:
         self.views = Views(self.plotter)
         self._is_judged = False
         self._pressed: tuple[float, float] | None = None
+        self._first_look: tuple[Any, ...] | None = None
         self._listener = qt().Listener(self._heard)
         self.plotter.interactor.installEventFilter(self._listener)
 
@@ -78,7 +79,18 @@ class Canvas:
     def reset_view(self) -> None:
         """Look at the scenes from where they say, all of them in the picture."""
         self.views.reset(self.widget.width(), self.widget.height())
+        self._first_look = self._look()
         self.widget.update()
+
+    def _look(self) -> tuple[Any, ...]:
+        """Where the cameras stand."""
+        cameras = [renderer.camera for renderer in self.plotter.renderers]
+        return tuple((each.position, each.focal_point, each.up, each.parallel_scale) for each in cameras)
+
+    def _resized(self) -> None:
+        """Keep everything in the picture when its size changes, as long as the user has not turned it."""
+        if self._first_look is not None and self._look() == self._first_look:
+            self.reset_view()
 
     def link(self, together: bool) -> None:
         """Turn the views together, or each by itself."""
@@ -106,6 +118,9 @@ class Canvas:
         """Hear presses, moves and releases of the left button; True keeps one from turning the camera."""
         kinds = qt().core.QEvent.Type
         kind = event.type()
+        if kind == kinds.Resize:
+            # after the widget has taken its new size
+            qt().core.QTimer.singleShot(0, self._resized)
         if kind not in (kinds.MouseButtonPress, kinds.MouseMove, kinds.MouseButtonRelease):
             return False
         left = qt().core.Qt.MouseButton.LeftButton

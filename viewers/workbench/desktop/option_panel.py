@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -11,6 +12,13 @@ from viewers.workbench.desktop.qt import qt
 from viewers.workbench.options import Option, is_offered, options, with_cells, with_tiles
 
 Changed = Callable[[str, Any], None]
+LAYOUT = (
+    "Unit cells: columns and rows, stretched to the target's four corners. "
+    "Trimmed: a regular pattern of about so many tiles, cut where it leaves the target."
+)
+WIDTH = 286
+NARROW = 56
+"""Least width of an editor: Qt would ask for that of the largest number it takes."""
 ROW = 26
 """Least height of an editor, in pixels: Qt squeezes spin boxes where rows are hidden and shown again."""
 
@@ -45,7 +53,9 @@ class OptionPanel:
         self.widget.setWidgetResizable(True)
         self.widget.setHorizontalScrollBarPolicy(qt().core.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.widget.setWidget(inside)
-        self.widget.setMinimumWidth(286)
+        # with the bar to scroll by, which would otherwise lie on the editors
+        extent = self.widget.style().pixelMetric(widgets.QStyle.PixelMetric.PM_ScrollBarExtent)
+        self.widget.setMinimumWidth(WIDTH + extent)
 
     def show(self, spec: FitSpec) -> None:
         """Show the values of a spec, without telling of it as a change."""
@@ -80,12 +90,19 @@ class OptionPanel:
                 self._kind = widgets.QComboBox()
                 self._kind.addItems(["unit cells, to four corners", "trimmed to the outline"])
                 self._kind.currentIndexChanged.connect(self._exchange)
-                form.addRow("Layout", self._kind)
+                layout = widgets.QLabel("Layout")
+                for widget in (layout, self._kind):
+                    widget.setToolTip(LAYOUT)
+                self._kind.setMinimumWidth(NARROW)
+                leave_to_window(self._kind)
+                form.addRow(layout, self._kind)
             editor = make_editor(option, partial(self._change, option.name))
             label = widgets.QLabel(option.label)
             for widget in (label, editor):
                 widget.setToolTip(option.help)
-            editor.setMinimumHeight(ROW)
+            for inner in getattr(editor, "sides", [editor]):
+                inner.setMinimumSize(NARROW, ROW)
+                leave_to_window(inner)
             form.addRow(label, editor)
             self._rows[option.name] = (option, editor, label)
         return box
@@ -93,6 +110,39 @@ class OptionPanel:
     def _exchange(self, index: int) -> None:
         if self._spec is not None:
             self._replace_spec(with_cells(self._spec) if index == 0 else with_tiles(self._spec))
+
+
+def leave_to_window(editor: Any) -> None:
+    """Leave to the window what an editor would take: the wheel where it was not clicked before, undo and redo."""
+    core, keys = qt().core, qt().gui.QKeySequence.StandardKey
+    kinds = core.QEvent.Type
+    editor.setFocusPolicy(core.Qt.FocusPolicy.StrongFocus)
+
+    def heard(event: Any) -> bool:
+        kind = event.type()
+        leaves = (kind == kinds.Wheel and not editor.hasFocus()) or (
+            kind == kinds.ShortcutOverride and (event.matches(keys.Undo) or event.matches(keys.Redo))
+        )
+        if leaves:
+            event.ignore()
+        return leaves
+
+    editor.listener = qt().Listener(heard)
+    for widget in (editor, *editor.findChildren(qt().widgets.QLineEdit)):
+        widget.installEventFilter(editor.listener)
+
+
+def in_labels(words: str) -> str:
+    """Return a sentence on options of the command line with the labels of the panel instead.
+
+    Examples
+    --------
+    >>> in_labels("--max-opening: expected more than the smallest opening, 20, got 10")
+    'Largest opening: expected more than the smallest opening, 20, got 10'
+    """
+    for option in options():
+        words = re.sub(rf"--{option.name.replace('_', '-')}(?![\w-])", option.label, words)
+    return words
 
 
 def make_editor(option: Option, tell: Callable[[Any], None]) -> Any:

@@ -23,8 +23,10 @@ def paint_color_bar(painter: Any, width: int, height: int, field: Field | None) 
     gui, core = qt().gui, qt().core
     left, right, top, thick = 14, 14, 24, 12
     span = width - left - right
-    _text(painter, left, 16, field.label[:1].upper() + field.label[1:] + (f"  ({field.unit})" if field.unit else ""))
-    if field.range_note:
+    words = field.label[:1].upper() + field.label[1:] + (f"  ({field.unit})" if field.unit else "")
+    _text(painter, left, 16, words)
+    room = span - _text_width(painter, words) - 20
+    if field.range_note and _text_width(painter, field.range_note) <= room:
         _text(painter, width - right, 16, field.range_note, theme.MUTED, "right")
     gradient = gui.QLinearGradient(left, 0, left + span, 0)
     colors = colormap(field)(np.linspace(0.0, 1.0, 65))
@@ -49,14 +51,18 @@ def paint_color_bar(painter: Any, width: int, height: int, field: Field | None) 
 def paint_scale_bar(painter: Any, width: int, height: int, per_pixel: float, units: str, note: str) -> None:
     """Paint a bar of a round length, and a note to its right."""
     gui, core = qt().gui, qt().core
+    taken = 0.0
     if per_pixel > 0:
         length = round_length(0.22 * width * per_pixel)
         x0, x1, y = 14.0, 14.0 + length / per_pixel, 0.5 * height
         painter.setPen(gui.QPen(gui.QColor(theme.INK), 1.4))
         for a, b in (((x0, y), (x1, y)), ((x0, y - 4), (x0, y + 4)), ((x1, y - 4), (x1, y + 4))):
             painter.drawLine(core.QPointF(*a), core.QPointF(*b))
-        _text(painter, x1 + 8, y + 5, f"{length:g} {name_unit(units, length)}")
-    _text(painter, width - 14, 0.5 * height + 5, note, theme.MUTED, "right")
+        words = f"{length:g} {name_unit(units, length)}"
+        _text(painter, x1 + 8, y + 5, words)
+        taken = x1 + 8 + _text_width(painter, words)
+    if _text_width(painter, note) <= width - 14 - 10 - taken:
+        _text(painter, width - 14, 0.5 * height + 5, note, theme.MUTED, "right")
 
 
 def paint_progress(painter: Any, width: int, height: int, share: float | None) -> None:
@@ -96,7 +102,8 @@ def paint_curves(painter: Any, width: int, height: int, steps: Sequence[Mapping[
     pen = gui.QPen(gui.QColor(theme.MUTED), 1.0, core.Qt.PenStyle.DashLine)
     painter.setPen(pen)
     painter.drawLine(core.QPointF(left, y), core.QPointF(width - right, y))
-    _text(painter, width - right, y - 4, "tolerance", theme.MUTED, "right", 11)
+    # to the left: the curves come down to it at the right
+    _text(painter, left + 4, y + 13, "tolerance", theme.MUTED, "left", 11)
     _text(painter, left + 0.5 * plot_width, top + plot_height + 16, _steps_in_words(len(steps)), theme.MUTED, "center")
     for k, name in enumerate(shown):
         color = gui.QColor(theme.SERIES[k % len(theme.SERIES)])
@@ -113,7 +120,13 @@ def paint_curves(painter: Any, width: int, height: int, steps: Sequence[Mapping[
 
 
 def _steps_in_words(count: int) -> str:
-    return "no steps yet" if count == 0 else f"{count} step{'s' * (count > 1)}; largest residual of every block"
+    return "no steps yet" if count == 0 else f"{count} step{'s' * (count > 1)}; worst of every condition"
+
+
+def _text_width(painter: Any, words: str, size: int = 12) -> float:
+    font = painter.font()
+    font.setPixelSize(size)
+    return float(qt().gui.QFontMetricsF(font).horizontalAdvance(words))
 
 
 def _text(
@@ -130,6 +143,6 @@ def _text(
     font.setPixelSize(size)
     painter.setFont(font)
     painter.setPen(gui.QColor(color))
-    length = gui.QFontMetricsF(font).horizontalAdvance(words)
+    length = _text_width(painter, words, size)
     start = x - {"left": 0.0, "center": 0.5 * length, "right": length}[align]
     painter.drawText(qt().core.QPointF(start, y), words)

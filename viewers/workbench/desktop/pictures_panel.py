@@ -53,7 +53,9 @@ class PicturesPanel:
         for side in SIDES:
             title = widgets.QLabel()
             title.setObjectName("title")
-            title.setContentsMargins(14, 0, 14, 2)
+            title.setContentsMargins(14, 0, 0, 2)
+            # as wide as the picture below it, whatever it says
+            title.setSizePolicy(widgets.QSizePolicy.Policy.Ignored, widgets.QSizePolicy.Policy.Fixed)
             heads.addWidget(title, 1)
             foot = qt().Painted(lambda *canvas, side=side: self._paint_foot(side, *canvas), 26)
             feet.addWidget(foot, 1)
@@ -79,6 +81,7 @@ class PicturesPanel:
         for side, scene in zip(SIDES, scenes, strict=True):
             if self.titles[side].text() != scene.title:
                 self.titles[side].setText(scene.title)
+                self.titles[side].setToolTip(scene.title)
             self._feet[side].update()
         self._bar.update()
         self.slider.setEnabled(can_deploy)
@@ -98,7 +101,7 @@ class PicturesPanel:
         paint_color_bar(painter, width, height, self._field)
 
     def _paint_foot(self, side: int, painter: Any, width: int, height: int) -> None:
-        if self._scenes:
+        if self._scenes and self._scenes[side].items:
             scene = self._scenes[side]
             paint_scale_bar(painter, width, height, self._per_pixel[side], scene.units, scene.note)
 

@@ -31,7 +31,9 @@ def is_installed() -> bool:
 
 @cache
 def qt() -> Any:
-    """Return Qt: its modules as `core`, `gui`, `widgets`; pyvista's `Plotter`; `Painted`, `Listener` and `Window`.
+    """Return Qt: its modules as `core`, `gui`, `widgets`; pyvista's `Plotter`; classes of our own.
+
+    These are `Painted`, `Listener`, `Window` and `Asking`.
 
     Raises
     ------
@@ -103,4 +105,14 @@ def _classes(core: Any, gui: Any, widgets: Any) -> dict[str, Any]:
                 event.acceptProposedAction()
                 self.on_drop(files[0])
 
-    return {"Painted": Painted, "Listener": Listener, "Window": Window}
+    class Asking(widgets.QFileDialog):
+        """A file dialog whose answer a function may refuse: it receives the path as typed."""
+
+        allows: Callable[[str], bool] | None = None
+
+        def accept(self) -> None:
+            line = self.findChild(widgets.QLineEdit)
+            if self.allows is None or self.allows(self.directory().absoluteFilePath(line.text())):
+                super().accept()
+
+    return {"Painted": Painted, "Listener": Listener, "Window": Window, "Asking": Asking}

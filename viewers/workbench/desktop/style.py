@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from viewers import theme
 
-PANEL, LINE, ACCENT, ACCENT_LIGHT, WARNING = "#f6f7f9", "#d5dae1", "#0072b2", "#dcecf6", "#b45309"
+PANEL, LINE, ACCENT, ACCENT_LIGHT = "#f6f7f9", "#d5dae1", "#0072b2", "#dcecf6"
+WARNING, WARNING_LIGHT = "#9a4507", "#fdf0e1"
 
 SHEET = f"""
 * {{ font-size: 13px; color: {theme.INK}; }}
 QMainWindow, QScrollArea, QScrollArea > QWidget > QWidget {{ background: {PANEL}; }}
 QToolBar {{ background: {PANEL}; border: none; border-bottom: 1px solid {LINE}; spacing: 4px; padding: 4px 6px; }}
-QToolBar QToolButton {{ padding: 5px 9px; border-radius: 4px; }}
+QToolBar QToolButton {{ padding: 5px 8px; border-radius: 4px; }}
+QToolBar QToolButton#pictures {{ padding-right: 18px; }}
+QToolButton#pictures::menu-indicator {{ subcontrol-position: right center; right: 5px; }}
+QToolButton#qt_toolbar_ext_button {{ padding: 0px; background: {ACCENT_LIGHT}; }}
 QToolBar QToolButton:hover:enabled {{ background: {ACCENT_LIGHT}; }}
 QToolBar QToolButton:checked {{ background: {ACCENT_LIGHT}; color: {ACCENT}; }}
 QToolBar QToolButton:disabled {{ color: #a3abb6; }}
@@ -21,10 +25,11 @@ QGroupBox::title {{ subcontrol-origin: margin; left: 0px; top: 0px; color: {them
 QGroupBox QWidget {{ font-weight: normal; }}
 QLabel#title {{ font-size: 15px; font-weight: bold; }}
 QLabel#muted, QLabel#note {{ color: {theme.MUTED}; }}
-QLabel#problem {{ color: {WARNING}; }}
+QLabel#problem {{ color: {WARNING}; background: {WARNING_LIGHT}; border-radius: 4px; padding: 2px 6px;
+    font-weight: bold; }}
 QWidget#paper {{ background: {theme.PAPER}; }}
 QTableWidget {{ background: white; border: 1px solid {LINE}; border-radius: 4px; gridline-color: #eceff3; }}
-QTableWidget::item {{ padding: 1px 4px; }}
+QTableWidget::item {{ padding: 1px 0px; }}
 QHeaderView::section {{ background: {PANEL}; border: none; border-bottom: 1px solid {LINE}; padding: 3px 4px;
     color: {theme.MUTED}; }}
 QTabWidget::pane {{ border: none; border-top: 1px solid {LINE}; }}
@@ -46,4 +51,9 @@ QToolButton#again {{ border: none; border-radius: 4px; padding: 2px 4px; color: 
 QToolButton#again:hover {{ background: {ACCENT_LIGHT}; color: {ACCENT}; }}
 QLabel#arrow {{ color: #a3abb6; }}
 QScrollArea {{ border: none; }}
+QComboBox#fields {{ combobox-popup: 0; }}
+QComboBox#fields QAbstractItemView::item {{ min-height: 21px; padding: 1px 14px; }}
+QComboBox#fields QAbstractItemView::item:disabled {{ color: {theme.MUTED}; padding-left: 6px;
+    border-top: 1px solid {LINE}; }}
+QComboBox#fields QAbstractItemView::item:selected {{ background: {ACCENT_LIGHT}; color: {ACCENT}; }}
 """

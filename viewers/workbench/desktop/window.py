@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from kirisurf.errors import KirisurfError
 from kirisurf.spec import FitSpec
 from viewers.workbench.desktop import actions
-from viewers.workbench.desktop.option_panel import OptionPanel
-from viewers.workbench.desktop.painting import paint_progress
+from viewers.workbench.desktop.option_panel import OptionPanel, in_labels
 from viewers.workbench.desktop.pictures_panel import PicturesPanel
 from viewers.workbench.desktop.qt import qt
 from viewers.workbench.desktop.side_panel import SidePanel
 from viewers.workbench.desktop.stage_strip import StageStrip
+from viewers.workbench.desktop.status_line import StatusLine
 from viewers.workbench.desktop.style import SHEET
 from viewers.workbench.opening import check_target, retargeted
 from viewers.workbench.pipeline import Stage
@@ -54,7 +55,7 @@ class Workbench:
         widgets, core = qt().widgets, qt().core
         self.session = session
         self.window = qt().Window()
-        self.window.setWindowTitle(title)
+        self._title, self._first_target = title, session.state.spec.target
         self.window.resize(*SIZE)
         self.window.setStyleSheet(SHEET)
         self.window.on_close = self.close
@@ -71,7 +72,7 @@ class Workbench:
             parts.addWidget(widget)
             parts.setStretchFactor(parts.count() - 1, stretch)
             parts.setCollapsible(parts.count() - 1, widget is not middle)
-        parts.setSizes([300, 850, 350])
+        parts.setSizes([304, 856, 340])
         whole = widgets.QWidget()
         column = widgets.QVBoxLayout(whole)
         column.setContentsMargins(0, 0, 0, 0)
@@ -79,12 +80,12 @@ class Workbench:
         column.addWidget(self.strip.widget)
         column.addWidget(parts, 1)
         self.window.setCentralWidget(whole)
-        self._add_status_bar()
+        self.foot = StatusLine(self.window.statusBar())
+        self.status = self.foot.label
         self._framed: Any = None
         self._placing = Placing(session)
         self._is_closed = False
         self._is_behind, self._rests_until = False, 0.0
-        self._share: float | None = None
         self._timer = core.QTimer()
         self._timer.timeout.connect(self.tick)
         self._timer.start(TICK)
@@ -114,7 +115,6 @@ class Workbench:
         except KirisurfError as problem:
             self.say(str(problem), is_problem=True)
             return
-        self.window.setWindowTitle(f"kirisurf: {Path(name).name}")
         self._do(state)
 
     def toggle(self, stage: Stage) -> None:
@@ -123,6 +123,7 @@ class Workbench:
 
     def run_again(self, stage: Stage) -> None:
         """Run again from a stage on."""
+        self.foot.forget()
         self.session.fit(since=stage)
         self.refresh()
 
@@ -137,16 +138,25 @@ class Workbench:
 
     def fit(self, resume: bool = False) -> None:
         """Start a fit of the options as they are."""
+        self.foot.forget()
         self.session.fit(resume=resume)
+        self.refresh()
+
+    def write(self, ask: Callable[[], None]) -> None:
+        """Ask the session to write something."""
+        self.foot.forget()
+        ask()
         self.refresh()
 
     def undo(self) -> None:
         """Take the last deed back."""
+        self.foot.forget()
         self.session.undo()
         self.refresh()
 
     def redo(self) -> None:
         """Do the last undone deed again."""
+        self.foot.forget()
         self.session.redo()
         self.refresh()
 
@@ -165,7 +175,10 @@ class Workbench:
         cursor = qt().core.Qt.CursorShape
         self.canvas.widget.setCursor(cursor.CrossCursor if wanted else cursor.ArrowCursor)
         if wanted:
-            self.say(self._placing.hint)
+            self.foot.hold(self._placing.hint)
+        else:
+            self.foot.forget()
+            self.refresh()
 
     def pick(self, side: int, name: str, face: int) -> None:
         """Pick the tile or hole of a face."""
@@ -189,8 +202,11 @@ class Workbench:
         except KirisurfError as problem:
             self.say(str(problem), is_problem=True)
             return
+        if ended:
+            self.foot.forget()
+        else:
+            self.foot.hold(f"{words}: let go to {'fit' if self.session.state.is_live else 'keep'} it")
         self.refresh()
-        self.say(words)
 
     # what is shown
 
@@ -199,6 +215,8 @@ class Workbench:
         session = self.session
         state, results = session.state, session.results
         self._is_behind = False
+        target = state.spec.target
+        self.window.setWindowTitle(self._title if target == self._first_target else f"kirisurf: {Path(target).name}")
         scenes = session.scenes()
         on_its_way = results.moving is not None
         found = None if on_its_way else coloring(state, results)
@@ -226,12 +244,11 @@ class Workbench:
         self.pictures.measure()
 
     def say(self, words: str, is_problem: bool = False) -> None:
-        """Say something in the status line."""
-        self.status.setObjectName("problem" if is_problem else "muted")
-        self.status.style().unpolish(self.status)
-        self.status.style().polish(self.status)
-        self.status.setText(words)
-        self.status.setToolTip(words)
+        """Say something in the status line; a problem stays there until the user does something else."""
+        if is_problem:
+            self.foot.hold(in_labels(words), True)
+        else:
+            self.foot.say(words)
 
     def close(self) -> None:
         """End the engine and give the OpenGL window back."""
@@ -242,6 +259,7 @@ class Workbench:
             self.canvas.close()
 
     def _do(self, state: State) -> None:
+        self.foot.forget()
         if state != self.session.state:
             self.session.do(state)
         self.refresh()
@@ -257,25 +275,9 @@ class Workbench:
     def _show_progress(self) -> None:
         results = self.session.results
         words, is_problem = progress_words(results, self.session.is_stale)
-        self.say(words, is_problem)
         share = solved_share([step.residuals for step in results.steps], self.session.state.spec.tolerance)
-        wanted = None if results.running is None else share if results.running is Stage.FIT else 1.0
-        if wanted != self._share:
-            self._share = wanted
-            self.progress.update()
-
-    def _add_status_bar(self) -> None:
-        widgets = qt().widgets
-        bar = self.window.statusBar()
-        bar.setSizeGripEnabled(False)
-        bar.setContentsMargins(10, 0, 10, 0)
-        self.status = widgets.QLabel()
-        self.status.setSizePolicy(widgets.QSizePolicy.Policy.Ignored, widgets.QSizePolicy.Policy.Preferred)
-        # not Qt's own, which paints the whole window at once whenever it moves
-        self.progress = qt().Painted(self._paint_progress, 6)
-        self.progress.setFixedSize(220, 6)
-        bar.addWidget(self.status, 1)
-        bar.addPermanentWidget(self.progress)
-
-    def _paint_progress(self, painter: Any, width: int, height: int) -> None:
-        paint_progress(painter, width, height, self._share)
+        self.foot.follow(
+            in_labels(words),
+            is_problem,
+            None if results.running is None else share if results.running is Stage.FIT else 1.0,
+        )
