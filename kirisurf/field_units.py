@@ -65,12 +65,22 @@ def unit_of_field(name: str, unit: str | None = None) -> str:
     >>> unit_of_field("gaussian_curvature", "mm"), unit_of_field("opening_angle"), unit_of_field("flag")
     ('1/mm\u00b2', 'rad', '')
     """
-    power = _POWERS.get(name, 0)
+    return unit_label(_POWERS.get(name, 0), unit or UNKNOWN)
+
+
+def unit_label(power: int | str, units: str) -> str:
+    """Return a unit to a power as on a color bar; text as it is.
+
+    Examples
+    --------
+    >>> unit_label(-1, "mm"), unit_label(1, "mm"), unit_label("rad", "mm")
+    ('1/mm', 'mm', 'rad')
+    """
     if isinstance(power, str):
         return power
     if power == 0:
         return ""
-    text = (unit or UNKNOWN) + _SUPERSCRIPTS[abs(power)]
+    text = units + _SUPERSCRIPTS.get(abs(power), f"^{abs(power)}")
     return text if power > 0 else f"1/{text}"
 
 

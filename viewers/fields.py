@@ -9,38 +9,39 @@ from jaxtyping import Float
 
 from kirisurf.arrays import frozen
 from kirisurf.errors import ParameterError
+from kirisurf.field_units import unit_of_field
 
 ROBUST_PERCENT = 98.0
 
 # name: (label, power of the user's unit or "rad" or "" where it is a ratio, signed)
-_KNOWN: dict[str, tuple[str, int | str, bool]] = {
-    "distance": ("distance to the target", 1, True),
-    "distance_over_edge": ("distance to the target / tile edge", "", True),
-    "closure_gap": ("closure gap", 1, False),
-    "residual_ring": ("ring residual", "rad", True),
-    "planarity": ("planarity / tile edge", "", False),
-    "isometry": ("isometry / tile edge", "", False),
-    "area": ("area", 2, False),
-    "size_ratio": ("tile edge / median tile edge", "", False),
-    "tile_angle_deviation": ("deviation of tile angles", "rad", False),
-    "opening_angle": ("smallest opening angle", "rad", False),
-    "opening_angle_mean": ("mean opening angle", "rad", False),
-    "smallest_edge": ("shortest edge of the tile / median tile edge", "", False),
-    "corner_angle_min": ("smallest tile angle", "rad", False),
-    "corner_angle_max": ("largest tile angle", "rad", False),
-    "area_magnification": ("area when open / area when closed", "", False),
-    "asked_stretch": ("stretch that the target asks for", "", False),
-    "flag": ("flag", "", False),
-    "principal_curvature_1": ("larger principal curvature", -1, True),
-    "principal_curvature_2": ("smaller principal curvature", -1, True),
-    "angle_excess": ("angle excess of the tile", "rad", True),
-    "angle_defect": ("curvature of the hole's cell by angles", "rad", True),
-    "gauss_image_area": ("curvature of the hole's cell by normals", "rad", True),
-    "integrated_gaussian_curvature": ("K integrated over the hole", "rad", True),
-    "target_integrated_gaussian_curvature": ("K of the target, integrated beneath", "rad", True),
-    "target_integrated_gaussian_curvature_cell": ("K of the target, integrated beneath the cell", "rad", True),
+_KNOWN: dict[str, tuple[str, bool]] = {
+    "distance": ("distance to the target", True),
+    "distance_over_edge": ("distance to the target / tile edge", True),
+    "closure_gap": ("closure gap", False),
+    "residual_ring": ("ring residual", True),
+    "planarity": ("planarity / tile edge", False),
+    "isometry": ("isometry / tile edge", False),
+    "area": ("area", False),
+    "size_ratio": ("tile edge / median tile edge", False),
+    "tile_angle_deviation": ("deviation of tile angles", False),
+    "opening_angle": ("smallest opening angle", False),
+    "opening_angle_mean": ("mean opening angle", False),
+    "smallest_edge": ("shortest edge of the tile / median tile edge", False),
+    "corner_angle_min": ("smallest tile angle", False),
+    "corner_angle_max": ("largest tile angle", False),
+    "area_magnification": ("area when open / area when closed", False),
+    "asked_stretch": ("stretch that the target asks for", False),
+    "flag": ("flag", False),
+    "principal_curvature_1": ("larger principal curvature", True),
+    "principal_curvature_2": ("smaller principal curvature", True),
+    "angle_excess": ("angle excess of the tile", True),
+    "angle_defect": ("curvature of the hole's cell by angles", True),
+    "gauss_image_area": ("curvature of the hole's cell by normals", True),
+    "integrated_gaussian_curvature": ("K integrated over the hole", True),
+    "target_integrated_gaussian_curvature": ("K of the target, integrated beneath", True),
+    "target_integrated_gaussian_curvature_cell": ("K of the target, integrated beneath the cell", True),
 }
-_CURVATURES = {"mean_curvature": ("mean curvature H", -1), "gaussian_curvature": ("Gaussian curvature K", -2)}
+_CURVATURES = {"mean_curvature": "mean curvature H", "gaussian_curvature": "Gaussian curvature K"}
 _VARIANTS = {
     "{}": "{}",
     "{}_averaged": "{}, averaged over the hole",
@@ -50,11 +51,10 @@ _VARIANTS = {
     "{}_from_fit": "{}, part of the fit",
 }
 _KNOWN |= {
-    variant.format(name): (words.format(label), power, True)
-    for name, (label, power) in _CURVATURES.items()
+    variant.format(name): (words.format(label), True)
+    for name, label in _CURVATURES.items()
     for variant, words in _VARIANTS.items()
 }
-_SUPERSCRIPTS = {1: "", 2: "\u00b2", 3: "\u00b3"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +143,7 @@ def describe_field(
         raise ParameterError(f"percent: expected more than 50 and at most 100, got {percent}")
     values = frozen(np.asarray(values, float).ravel())
     finite = values[np.isfinite(values)]
-    label, power, signed = _KNOWN.get(name, (name.replace("_", " "), "", bool((finite < 0).any())))
+    label, signed = _KNOWN.get(name, (name.replace("_", " "), bool((finite < 0).any())))
     note = ""
     if limits is None:
         if len(finite) < 20:
@@ -151,23 +151,7 @@ def describe_field(
         limits = _robust_limits(finite, signed, percent)
         if percent < 100 and len(finite) and (finite.min() < limits[0] or finite.max() > limits[1]):
             note = f"range: {percent:g}th percentile" + (" of the absolute value" if signed else "")
-    return Field(name, where, values, label, unit_label(power, units), limits, signed, note)
-
-
-def unit_label(power: int | str, units: str) -> str:
-    """Return a unit to a power as on a color bar; text as it is.
-
-    Examples
-    --------
-    >>> unit_label(-1, "mm"), unit_label(1, "mm"), unit_label("rad", "mm")
-    ('1/mm', 'mm', 'rad')
-    """
-    if isinstance(power, str):
-        return power
-    if power == 0:
-        return ""
-    text = units + _SUPERSCRIPTS.get(abs(power), f"^{abs(power)}")
-    return text if power > 0 else f"1/{text}"
+    return Field(name, where, values, label, unit_of_field(name, units), limits, signed, note)
 
 
 def name_unit(units: str, length: float | int) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from viewers.fields import unit_label
+from kirisurf.field_units import unit_label
 from viewers.words import number
 
 # name: (heading, what it is, power of the user's unit, or "deg", "%", "rad" or "edge", or "" for a ratio)

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from kirisurf.errors import ParameterError
+from kirisurf.field_units import unit_label
 from viewers import charts
-from viewers.fields import unit_label
 from viewers.number_words import BALANCE, CURVED, measures_by_heading
 from viewers.parts import ReportParts, certificate_rows, designed_gap, feasibility, is_planar
 from viewers.report_charts import balance_chart, residence_chart

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from kirisurf.field_units import unit_label
 from viewers import charts
-from viewers.fields import unit_label
 from viewers.number_words import measures_by_heading
 from viewers.parts import ReportParts, designed_gap, is_planar
 from viewers.report_bins import robust_span

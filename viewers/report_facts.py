@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from viewers.fields import unit_label
+from kirisurf.field_units import unit_label
 from viewers.parts import ReportParts
 from viewers.report_bins import decade
 

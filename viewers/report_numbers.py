@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from viewers.fields import describe_field, unit_label
+from kirisurf.field_units import unit_label
+from viewers.fields import describe_field
 from viewers.number_words import CURVED, number_in_words
 from viewers.parts import (
     ReportParts,

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirisurf.errors import OutputError, ParameterError
-from viewers.fields import name_unit, unit_label
+from kirisurf.field_units import unit_label
+from viewers.fields import name_unit
 from viewers.words import number
 
 if TYPE_CHECKING:

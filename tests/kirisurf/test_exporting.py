@@ -18,12 +18,11 @@ from kirisurf.exporting import check_free, export, export_with_remarks
 from kirisurf.fabrication import Fabrication, cut_lines, quarter_turned
 from kirisurf.field_units import unit_of_field
 from kirisurf.formats import read_fields
-from kirisurf.judging import origin_of
+from kirisurf.judging import measured, origin_of
 from kirisurf.runs import Run
 from kirisurf.runs.run import RUN_BLOCKS
 from kirisurf.sheet import Sheet
-from viewers import fields
-from viewers.fields import describe_field
+from kirisurf.surface import Surface
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -291,8 +290,18 @@ def test_a_far_target_has_its_origin_in_every_file(tmp_path: Path) -> None:
             assert {name: rows[name] for name in expected} == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
-def test_units_of_fields_are_those_of_the_viewers(run: Run) -> None:
-    names = {name for _, name in run.fields} | set(fields._KNOWN)
-    numbers = {"center", "weld", "cell", "standard_deployed", "standard_contracted", "normal"}
-    for name in names - numbers:
-        assert unit_of_field(name, "cm") == describe_field(name, "vertex", np.zeros(1), "cm").unit, name
+def test_units_of_fields_say_how_they_grow_with_the_sheet() -> None:
+    """Twice the sheet has a quarter of the Gaussian curvature: a field in unit^p grows by 2^p, all others stay."""
+    design = kirisurf.fit("paraboloid", cells=(2, 2))
+    powers = {"u": 1, "u\u00b2": 2, "1/u": -1, "1/u\u00b2": -2}
+    found = []
+    for scale in (1.0, 2.0):
+        target = Surface.from_arrays(scale * design.surface.vertices, design.surface.faces)
+        sheet = scale * design.deployed_points, scale * design.contracted_points
+        found.append(measured(design.tessellation, *sheet, target).fields)
+    for (where, name), values in found[0].items():
+        factor = 2.0 ** powers.get(unit_of_field(name, "u"), 0)
+        size = np.nanmax(np.abs(values), initial=0.0)
+        np.testing.assert_allclose(
+            found[1][where, name], factor * values, rtol=1e-6, atol=1e-7 * factor * size + 1e-10, err_msg=name
+        )

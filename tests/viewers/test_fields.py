@@ -7,10 +7,10 @@ import pytest
 
 from analysis.measures import measure
 from kirisurf.errors import ParameterError
-from kirisurf.field_units import unit_of_field
+from kirisurf.field_units import unit_label, unit_of_field
 from kirisurf.pattern import quad_pattern
 from kirisurf.surface import Surface
-from viewers.fields import describe_field, name_unit, unit_label
+from viewers.fields import describe_field, name_unit
 
 
 def test_signed_field_is_symmetric_about_zero():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -252,3 +253,16 @@ def resized(spec: FitSpec, factor: float) -> FitSpec:
         columns, rows = (max(1, round(count / factor)) for count in spec.cells)
         return changed(spec, "cells", (columns, rows))
     return changed(spec, "tiles", max(4, round((spec.tiles or DEFAULT_TILES) / factor**2)))
+
+
+def in_labels(words: str) -> str:
+    """Return a sentence on options of the command line with the labels of the options instead.
+
+    Examples
+    --------
+    >>> in_labels("--max-opening: expected more than the smallest opening, 20, got 10")
+    'Largest opening: expected more than the smallest opening, 20, got 10'
+    """
+    for option in options():
+        words = re.sub(rf"--{option.name.replace('_', '-')}(?![\w-])", option.label, words)
+    return words

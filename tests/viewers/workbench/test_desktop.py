@@ -13,13 +13,12 @@ import pytest
 from viewers.workbench.desktop import probing
 from viewers.workbench.desktop.actions import ANIMATIONS, DRAWINGS, PICTURES
 from viewers.workbench.desktop.asking import free_name, with_suffix
-from viewers.workbench.desktop.option_panel import in_labels
 from viewers.workbench.desktop.painting import ticks
 from viewers.workbench.desktop.qt import INSTALL_LINE, is_installed
 from viewers.workbench.engine import Engine
 from viewers.workbench.events import Began, Ended, Fitted, Written
 from viewers.workbench.field_groups import field_groups
-from viewers.workbench.options import options
+from viewers.workbench.options import in_labels, options
 from viewers.workbench.pipeline import Stage
 from viewers.workbench.scene import colorings
 from viewers.workbench.session import Session

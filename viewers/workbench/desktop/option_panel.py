@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -130,19 +129,6 @@ def leave_to_window(editor: Any) -> None:
     editor.listener = qt().Listener(heard)
     for widget in (editor, *editor.findChildren(qt().widgets.QLineEdit)):
         widget.installEventFilter(editor.listener)
-
-
-def in_labels(words: str) -> str:
-    """Return a sentence on options of the command line with the labels of the panel instead.
-
-    Examples
-    --------
-    >>> in_labels("--max-opening: expected more than the smallest opening, 20, got 10")
-    'Largest opening: expected more than the smallest opening, 20, got 10'
-    """
-    for option in options():
-        words = re.sub(rf"--{option.name.replace('_', '-')}(?![\w-])", option.label, words)
-    return words
 
 
 def make_editor(option: Option, tell: Callable[[Any], None]) -> Any:

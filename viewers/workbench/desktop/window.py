@@ -10,7 +10,7 @@ from typing import Any
 from kirisurf.errors import KirisurfError
 from kirisurf.spec import FitSpec
 from viewers.workbench.desktop import actions
-from viewers.workbench.desktop.option_panel import OptionPanel, in_labels
+from viewers.workbench.desktop.option_panel import OptionPanel
 from viewers.workbench.desktop.pictures_panel import PicturesPanel
 from viewers.workbench.desktop.qt import qt
 from viewers.workbench.desktop.side_panel import SidePanel
@@ -18,6 +18,7 @@ from viewers.workbench.desktop.stage_strip import StageStrip
 from viewers.workbench.desktop.status_line import StatusLine
 from viewers.workbench.desktop.style import SHEET
 from viewers.workbench.opening import check_target, retargeted
+from viewers.workbench.options import in_labels
 from viewers.workbench.pipeline import Stage
 from viewers.workbench.placing import Placing
 from viewers.workbench.progress import progress_words, solved_share

@@ -14,6 +14,7 @@ from kirisurf.targets import is_sample
 from viewers.scenes import Scene
 from viewers.workbench import options
 from viewers.workbench.opening import retargeted
+from viewers.workbench.options import in_labels
 from viewers.workbench.pipeline import Stage
 from viewers.workbench.placing import Placing
 from viewers.workbench.scene import cell_numbers
@@ -21,7 +22,7 @@ from viewers.workbench.session import Session
 from viewers.workbench.state import Selection, State
 from viewers.workbench.views import Hit
 from viewers.workbench.web.awaited import AwaitedFiles
-from viewers.workbench.web.editors import in_words_of_the_page, option_value
+from viewers.workbench.web.editors import option_value
 from viewers.workbench.web.values import page_values
 
 TICK = 0.015
@@ -228,7 +229,7 @@ class Desk:
             try:
                 act(*given)
             except KirisurfError as problem:
-                self.say(in_words_of_the_page(str(problem)), True)
+                self.say(in_labels(str(problem)), True)
                 # the editor still shows what was refused
                 self._refused += 1
                 self._publish({"refused": self._refused})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from kirisurf.errors import ParameterError
@@ -78,19 +77,6 @@ def option_value(name: str, given: Any) -> Any:
         return float(text.replace(",", "."))
     except ValueError:
         raise ParameterError(f"{option.label}: expected a number, got {text[:60]!r}") from None
-
-
-def in_words_of_the_page(words: str) -> str:
-    """Return a sentence with the labels of options where it has their names on the command line.
-
-    Examples
-    --------
-    >>> in_words_of_the_page("--max-opening: expected more than 3, got 1")
-    'Largest opening: expected more than 3, got 1'
-    """
-    for option in options():
-        words = re.sub(rf"--{option.name.replace('_', '-')}\b(?!-)", option.label, words)
-    return words
 
 
 def _whole(label: str, given: Any) -> int:
