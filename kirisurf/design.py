@@ -153,16 +153,27 @@ class Design:
             return self.save_into(opened, pictures=pictures)
 
     def save_into(
-        self, folder: RunFolder, *, pictures: bool = True, stage: Callable[[str], None] = lambda name: None
+        self,
+        folder: RunFolder,
+        *,
+        pictures: bool = True,
+        stage: Callable[[str], None] = lambda name: None,
+        provenance: Mapping[str, Any] | None = None,
     ) -> Run:
-        """Write into a run folder that is open, and commit it; `stage` receives the name of what is done next."""
+        """Write into a run folder that is open, and commit it.
+
+        `stage` receives the name of what is done next; `provenance` says what the run was made from
+        (:mod:`kirisurf.provenance`).
+        """
         from kirisurf.saving import Finished, save
 
         stage("measuring")
         began = time.perf_counter()
         finished = Finished(self.spec, self.result, self.origin, self.measures)
         seconds = time.perf_counter() - began
-        return save(finished, folder, pictures=pictures, measure_seconds=seconds, stage=stage)
+        return save(
+            finished, folder, pictures=pictures, measure_seconds=seconds, stage=stage, provenance=provenance or {}
+        )
 
     def __repr__(self) -> str:
         return f"Design({self.surface.name!r}, {self.tessellation.n_tiles} tiles, {self.status.name})"

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -87,6 +88,7 @@ def save(
     pictures: bool = True,
     measure_seconds: float = 0.0,
     stage: Callable[[str], None] = lambda name: None,
+    provenance: Mapping[str, Any] = MappingProxyType({}),
 ) -> Run:
     """Write a design into an open run folder and commit it.
 
@@ -101,6 +103,8 @@ def save(
         Time that measuring took, for the record.
     stage : callable
         Receives the name of what is done next.
+    provenance : mapping
+        What the run was made from (:mod:`kirisurf.provenance`), for the record.
 
     Raises
     ------
@@ -126,7 +130,8 @@ def save(
     seconds |= {"analyse": measure_seconds + analysed - began, "draw": time.perf_counter() - analysed}
     seconds["total"] = sum(seconds[name] for name in SECONDS if name != "total")
     code = status.exit_code or (_WARNED if warnings else 0)
-    write_record(to, {**result, "exit_code": code, "warnings": warnings, "seconds": seconds})
+    made = {"provenance": dict(provenance), "exit_code": code, "warnings": warnings, "seconds": seconds}
+    write_record(to, {**result, **made})
     folder.commit()
     return read_run(folder.path)
 

@@ -14,7 +14,7 @@ import traceback
 from collections.abc import Sequence
 
 from kirisurf.cli import audit, curvature, demo, export, fit, report, reproduce, samples, view
-from kirisurf.cli.failures import explained
+from kirisurf.failures import explained
 from kirisurf.cli.output import Outcome, Output, prepare_streams
 from kirisurf.cli.parser import Parser, add_common
 from kirisurf.cli.rooms import check_rooms

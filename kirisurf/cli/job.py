@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING
-
 from kirisurf.cli.certificate_table import certificate_table
-from kirisurf.cli.interruption import Interruption
 from kirisurf.cli.output import Outcome, Output
 from kirisurf.cli.progress import Bar, Lines, Progress
+from kirisurf.execution import execute
+from kirisurf.interruption import Interruption
 from kirisurf.runs import Run, RunFolder
-from kirisurf.runs.folder import is_certified
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
 
-if TYPE_CHECKING:
-    from kirisurf.start import Start
-
-UNFINISHED = (6, 130)
-"""Codes of a solve that was cut short."""
 
 
 def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output: Output) -> Outcome:
@@ -31,38 +23,13 @@ def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output:
     KeyboardInterrupt
         Where it was interrupted before there was anything to keep, or twice.
     """
-    from kirisurf.design import fit_loaded
-    from kirisurf.targets import loaded
-
     progress: Progress = Bar(spec.tolerance) if output.is_terminal else Lines(output.message)
-    # The folder is opened first: what is wrong with it should not be learned after an hour of solving.
+
+    def kept(beside: str) -> None:
+        output.warning(f"the certified run in {folder} was kept; what was reached lies in {beside}")
+
     with RunFolder(folder, overwrite) as opened, Interruption(output.message) as stop, progress:
-        progress.stage(f"reading {spec.target}")
-        began = time.perf_counter()
-        spec, surface, notes = loaded(spec)
-        seconds = time.perf_counter() - began
-        stop.stage = "solving"
-        progress.stage("solving")
-
-        def laid(start: Start) -> None:
-            """Say before the solve what the target asks for, and what may not be reached."""
-            for sentence in (start.feasibility.sentence, start.feasibility.advice, *start.warnings):
-                if sentence:
-                    progress.say(sentence)
-
-        design = fit_loaded(spec, surface, notes, seconds, progress.step, stop, laid)
-        stop.stage = "saving"
-        unfinished = design.status.exit_code in UNFINISHED
-        if unfinished and is_certified(opened.path):
-            # replaced only once the new one is complete: this one is not
-            beside = f"{opened.path}-unfinished"
-            output.warning(f"the certified run in {folder} was kept; what was reached lies in {beside}")
-            with RunFolder(beside, overwrite=True) as other:
-                run = design.save_into(other, pictures=False, stage=progress.stage)
-        else:
-            # whoever interrupts does not wait for pictures
-            drawn = pictures and design.status is not Status.INTERRUPTED
-            run = design.save_into(opened, pictures=drawn, stage=progress.stage)
+        run = execute(spec, opened, stop, progress, pictures=pictures, kept=kept)
     _tell(run, output)
     report = run.folder / "report.html"
     output.product(str(report))

@@ -7,28 +7,18 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
+from kirisurf.execution import Followed
+
 if TYPE_CHECKING:
     from kirisurf.states import Step
 
 
-class Progress(Protocol):
+class Progress(Followed, Protocol):
     """What shows the progress of a job."""
 
     def __enter__(self) -> Progress: ...
 
     def __exit__(self, *exception: object) -> None: ...
-
-    def stage(self, name: str) -> None:
-        """Say what the job does from now on."""
-        ...
-
-    def step(self, step: Step) -> None:
-        """Show one step of the solver."""
-        ...
-
-    def say(self, words: str) -> None:
-        """Say something that stays."""
-        ...
 
 
 def step_text(number: int, step: Step) -> str:

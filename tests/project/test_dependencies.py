@@ -15,7 +15,7 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PINS = [line for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
-INSTALLED = ("desktop", "repair", "test", "web")
+INSTALLED = ("cluster", "desktop", "repair", "test", "web")
 """Extras that the set-up installs."""
 PACKAGES = {"kirisurf", "analysis", "viewers", "sample_surfaces"}
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import kirisurf.cli as cli
-from kirisurf.cli.failures import explained
+from kirisurf.failures import explained
 from kirisurf.cli.output import Outcome
 from kirisurf.cli.parser import LATER_COMMANDS
 from kirisurf.errors import OutputError, ParameterError

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from kirisurf.cli.interruption import Interruption
+from kirisurf.interruption import Interruption
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 

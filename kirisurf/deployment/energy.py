@@ -1,0 +1,252 @@
+"""The energy of a sheet between flat and deployed: rods in the tiles, torsional springs in the slits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from kirisurf.arrays import checked, frozen
+from kirisurf.deployment.elements import Elements, Folds, Hinges, Rods
+from kirisurf.deployment.stiffness import Gathering, Stiffness
+from kirisurf.errors import ParameterError, UnusableError
+from kirisurf.tessellation import Tessellation
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Energy with derivatives at one set of points.
+
+    Attributes
+    ----------
+    value : float
+    gradient : (n, d)
+    bends : list
+        Second derivatives of the elements, for :class:`Stiffness` and for `Energy.product`.
+    """
+
+    value: float
+    gradient: Float[np.ndarray, "n d"]
+    bends: list[dict[tuple[int, int], np.ndarray]]
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """The energy of the paper (Choi, Dudte, Mahadevan, 2019), in the plane (d = 2) and in space (d = 3).
+
+    ::
+
+        E(x) = 1/Ns sum ((|xi - xj| - lij) / lij)^2 + 1/Ns sum (height / width)^2 + lambda 1/Nc sum theta^2
+
+    The first sum is over the Ns rods: every two corners of a tile, so that its sides and all its diagonals; their
+    rest lengths are those of the contracted sheet. The second, in space only, keeps tiles flat, with the weight of a
+    rod: see :class:`kirisurf.deployment.elements.Folds`. The third is over the Nc slit ends, which are closed at rest.
+    E is a number: it does not change with the unit of length.
+
+    Attributes
+    ----------
+    rods : Rods
+    hinges : Hinges
+    folds : Folds or None
+        None in the plane.
+    torsion : float
+        lambda.
+    n_vertices, dimension : int
+    length : float
+        Median length of a tile's sides: the unit in which equilibria are sought.
+    rod_tiles : (Ns,)
+        Tile of every rod.
+    n_tiles : int
+    """
+
+    rods: Rods
+    hinges: Hinges
+    folds: Folds | None
+    torsion: float
+    n_vertices: int
+    dimension: int
+    length: float
+    rod_tiles: Int[np.ndarray, " s"]
+    n_tiles: int
+
+    @cached_property
+    def elements(self) -> tuple[Elements, ...]:
+        """The kinds of elements."""
+        return (self.rods, self.hinges) if self.folds is None else (self.rods, self.hinges, self.folds)
+
+    @cached_property
+    def weights(self) -> tuple[float, ...]:
+        """Weight of each kind in the energy."""
+        rod, slit = 1.0 / len(self.rods.stencil), self.torsion / max(len(self.hinges.stencil), 1)
+        return (rod, slit) if self.folds is None else (rod, slit, rod)
+
+    @cached_property
+    def gathering(self) -> Gathering:
+        """Vectors of elements from points."""
+        return Gathering(self.n_vertices, [kind.stencil for kind in self.elements])
+
+    @cached_property
+    def unit_force(self) -> float:
+        """Force of a rod of median length with strain 1, in units of energy over length."""
+        return 2.0 / (len(self.rods.stencil) * self.length)
+
+    def with_torsion(self, torsion: float) -> Energy:
+        """Return the same sheet with another lambda, sharing what does not change."""
+        other = Energy(
+            self.rods, self.hinges, self.folds, checked_torsion(torsion), self.n_vertices, self.dimension,
+            self.length, self.rod_tiles, self.n_tiles,
+        )  # fmt: skip
+        other.__dict__["gathering"] = self.gathering
+        return other
+
+    def parts(self, points: Float[np.ndarray, "n d"]) -> tuple[float, float, float]:
+        """Return the energies of rods, of slits and of folds; their sum is E."""
+        vectors = self.gathering.vectors(points)
+        found = [
+            w * float(kind.values(v).sum()) for w, kind, v in zip(self.weights, self.elements, vectors, strict=True)
+        ]
+        return found[0], found[1], (found[2] if len(found) > 2 else 0.0)
+
+    def value(self, points: Float[np.ndarray, "n d"]) -> float:
+        """Return E."""
+        return sum(self.parts(points))
+
+    def evaluate(self, points: Float[np.ndarray, "n d"]) -> Evaluation:
+        """Return E with its exact first and second derivatives."""
+        value, slopes, bends = 0.0, [], []
+        for weight, kind, vectors in zip(self.weights, self.elements, self.gathering.vectors(points), strict=True):
+            first, second = kind.derivatives(vectors)
+            value += weight * float(kind.values(vectors).sum())
+            slopes.append(weight * first)
+            bends.append({pair: weight * block for pair, block in second.items()})
+        return Evaluation(value, self.gathering.forces(slopes), bends)
+
+    def gradient(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
+        """Return the first derivatives of E."""
+        found = zip(self.weights, self.elements, self.gathering.vectors(points), strict=True)
+        return self.gathering.forces([weight * kind.derivatives(v)[0] for weight, kind, v in found])
+
+    def product(self, evaluation: Evaluation, shift: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
+        """Return the second derivatives of E times a displacement of the points."""
+        result = []
+        for bend, vectors in zip(evaluation.bends, self.gathering.vectors(shift), strict=True):
+            part = np.zeros_like(vectors)
+            for (i, j), block in bend.items():
+                part[i] += np.einsum("abk,bk->ak", block, vectors[j])
+                if i != j:
+                    part[j] += np.einsum("abk,ak->bk", block, vectors[i])
+            result.append(part)
+        return self.gathering.forces(result)
+
+    def stiffness(self, numbers: Int[np.ndarray, "n d"]) -> Stiffness:
+        """Return the pattern of the second derivatives by coordinates with the given numbers, -1 for held ones."""
+        return Stiffness([kind.stencil for kind in self.elements], numbers)
+
+    def strains(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " s"]:
+        """Return the strain of every rod."""
+        return self.rods.strains(self.gathering.vectors(points)[0])
+
+    def tile_strains(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " t"]:
+        """Return the largest strain, regardless of its sign, of every tile's rods."""
+        result = np.zeros(self.n_tiles)
+        np.maximum.at(result, self.rod_tiles, np.abs(self.strains(points)))
+        return result
+
+    def openings(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " c"]:
+        """Return the angles of the slits in radians."""
+        return self.hinges.angles(self.gathering.vectors(points)[1])
+
+
+def energy_of(
+    tessellation: Tessellation, contracted: Float[np.ndarray, "n 2"], torsion: float = 0.0, dimension: int = 3
+) -> Energy:
+    """Return the energy of a sheet whose rest state is the contracted one.
+
+    Parameters
+    ----------
+    tessellation : Tessellation
+    contracted : (n, 2)
+        Contracted points.
+    torsion : float
+        lambda: stiffness of the slits' torsional springs over that of the rods.
+    dimension : int
+        2 in the plane, 3 in space.
+
+    Raises
+    ------
+    ParameterError
+        Where the dimension is neither, or lambda is negative or not finite.
+    UnusableError
+        Where a tile has two corners in one place, or no area.
+
+    Examples
+    --------
+    >>> from kirisurf.pattern import quad_pattern
+    >>> sheet = quad_pattern(2, 2)
+    >>> energy = energy_of(sheet, sheet.contracted, dimension=2)
+    >>> energy.value(sheet.contracted), round(energy.value(sheet.deployed), 15)
+    (0.0, 0.0)
+    """
+    if dimension not in (2, 3):
+        raise ParameterError(f"dimension: expected 2 or 3, got {dimension}")
+    flat = checked(contracted, "contracted", (tessellation.n_vertices, 2))
+    pairs, owners, folds, scales = [], [], [], []
+    for size, (which, loops) in tessellation.tiles.by_size().items():
+        first, second = np.triu_indices(size, 1)
+        pairs.append(np.stack([loops[:, first], loops[:, second]], axis=2).reshape(-1, 2))
+        owners.append(np.repeat(which, len(first)))
+        if dimension == 3 and size > 3:
+            stencil, scale = _folds(flat, loops)
+            folds.append(stencil)
+            scales.append(scale)
+    rods = np.concatenate(pairs)
+    lengths = np.linalg.norm(flat[rods[:, 0]] - flat[rods[:, 1]], axis=1)
+    edges = tessellation.tiles.edges
+    length = float(np.median(np.linalg.norm(flat[edges[:, 0]] - flat[edges[:, 1]], axis=1)))
+    owner = np.concatenate(owners)
+    if not lengths.min() > 1e-9 * length:
+        raise UnusableError(f"tile {owner[lengths.argmin()]}: expected corners apart from each other, got two in one place")
+    hinges = tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2]]
+    return Energy(
+        Rods(frozen(rods, np.int64), frozen(lengths)),
+        Hinges(frozen(hinges, np.int64)),
+        Folds(frozen(np.concatenate(folds), np.int64), frozen(np.concatenate(scales))) if folds else None,
+        checked_torsion(torsion),
+        tessellation.n_vertices,
+        dimension,
+        length,
+        frozen(owner, np.int64),
+        tessellation.n_tiles,
+    )
+
+
+def checked_torsion(torsion: float) -> float:
+    """Return lambda.
+
+    Raises
+    ------
+    ParameterError
+        Where it is negative or not finite.
+    """
+    if not (np.isfinite(torsion) and torsion >= 0):
+        raise ParameterError(f"lambda: expected a number of at least 0, got {torsion}")
+    return float(torsion)
+
+
+def _folds(flat: np.ndarray, loops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Stencils (f, 4) and scales (f,) of the folds of tiles with equally many corners (g, k)."""
+    size = loops.shape[1]
+    triples = np.array([(i, j, k) for i in range(size) for j in range(i + 1, size) for k in range(j + 1, size)])
+    a, b, c = flat[loops[:, triples]].transpose(2, 3, 0, 1)
+    double = np.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    best = double.argmax(axis=1)
+    most = double[np.arange(len(loops)), best]
+    if not most.min() > 0:
+        raise UnusableError("tessellation: expected tiles with an area, got one without")
+    base = triples[best]
+    others = np.array([[k for k in range(size) if k not in row] for row in base.tolist()])
+    stencil = np.stack([np.repeat(np.take_along_axis(loops, base[:, [i]], 1), size - 3, 1) for i in range(3)], axis=2)
+    stencil = np.concatenate([stencil, np.take_along_axis(loops, others, 1)[:, :, None]], axis=2).reshape(-1, 4)
+    return stencil, np.repeat(most**1.5, size - 3)
