@@ -24,7 +24,7 @@ _CODE = (".py", ".html", ".toml", ".js", ".css", ".json")
 
 @cache
 def source_digest() -> str:
-    """Return a hash (16 hexadecimal digits) of the code of kirisurf: versions have names, what is being written has not."""
+    """Return a hash (16 hexadecimal digits) of the code of kirisurf: what is being written has no version yet."""
     home, digest = Path(__file__).resolve().parent.parent, hashlib.sha256()
     for room in ROOMS:
         for path in sorted((home / room).rglob("*")):

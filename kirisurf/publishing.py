@@ -6,11 +6,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirisurf.formats.atomic import write_bytes, write_text
 from kirisurf.judging import patch_points
 from kirisurf.runs import Run
 from kirisurf.runs.table import curvature_rows
@@ -41,7 +43,7 @@ FIGURE, MAP, PANEL = ((1280, 1000), 36.0), ((960, 780), 26.0), (((1040, 840), 36
 """Pixels and lines of text (see `viewers.snapshot.render`) of what stands alone in the report, of one of three in a
 row, and of one panel of two or of more."""
 
-REPORT = "report.html"
+REPORT, THUMBNAIL = "report.html", "thumbnail.png"
 SHOWN_OPTIONS = ("tessellation", "cells", "tiles", "closeness")
 """Options that a report names even where they are the usual ones."""
 
@@ -202,6 +204,40 @@ def _options(spec: FitSpec) -> dict[str, Any]:
         for name, value in spec.as_dict().items()
         if name != "target" and value is not None and (name in SHOWN_OPTIONS or value != usual.get(name))
     }
+
+
+def write_thumbnail(tessellation: Tessellation, points: np.ndarray, path: Path) -> Path:
+    """Write a small picture of a deployed sheet, which needs no OpenGL.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
+    from viewers.thumbnail import thumbnail
+
+    write_bytes(path, thumbnail(points, tessellation.tiles, tessellation.holes))
+    return path
+
+
+def write_batch_report(summary: Mapping[str, Any], folder: Path, path: Path) -> Path:
+    """Write one self-contained HTML file on a batch, with the thumbnails of its runs.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
+    from viewers.batch_page import batch_page
+
+    pictures: dict[str, bytes] = {}
+    for item in summary["items"]:
+        if item["folder"] is not None:
+            # a run that somebody is about to remove has none
+            with suppress(OSError):
+                pictures[item["name"]] = (folder / item["folder"] / THUMBNAIL).read_bytes()
+    write_text(path, batch_page(summary, pictures))
+    return path
 
 
 def numbers_of(parts: Sequence[ReportParts]) -> dict[str, Any]:

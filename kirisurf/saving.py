@@ -252,13 +252,14 @@ def _feasibility(design: Finished) -> dict[str, Any] | None:
 
 def _publish(design: Finished, result: Mapping[str, Any], to: Path, pictures: bool) -> list[str]:
     """Draw the pictures and write the report; return why there are no pictures, where that needs reading."""
-    from kirisurf.publishing import REPORT, draw_pictures, report_parts, sheet, write_report
+    from kirisurf.publishing import REPORT, THUMBNAIL, draw_pictures, report_parts, sheet, write_report, write_thumbnail
 
     tessellation, points, flat = design.result.tessellation, design.points, design.flat
     fields = {(where, name): v for where in ("vertex", "tile", "hole") for name, v in design.fields(where).items()}
     drawn: dict[str, Path] = {}
     reason = "Pictures were not asked for."
     warnings: list[str] = []
+    write_thumbnail(tessellation, points, to / THUMBNAIL)
     if pictures:
         feasibility = design.result.feasibility
         stretch = None if feasibility is None else (feasibility.asked, feasibility.given.ends)

@@ -13,11 +13,11 @@ import threading
 import traceback
 from collections.abc import Sequence
 
-from kirisurf.cli import audit, curvature, demo, export, fit, report, reproduce, samples, view
-from kirisurf.failures import explained
+from kirisurf.cli import audit, batch, curvature, demo, export, fit, report, reproduce, samples, view
 from kirisurf.cli.output import Outcome, Output, prepare_streams
 from kirisurf.cli.parser import Parser, add_common
 from kirisurf.cli.rooms import check_rooms
+from kirisurf.failures import explained
 
 __all__ = ["build_parser", "main"]
 
@@ -34,8 +34,8 @@ start here:
   kirisurf COMMAND --help                   the page of a command
 
 exit codes: 0 done, 1 done with warnings that need reading, 2 wrong parameter, 3 input unreadable, 4 input
-unusable, 5 fit not within tolerance, 6 time or memory limit, 7 output cannot be written, 70 internal error,
-130 interrupted"""
+unusable, 5 fit not within tolerance, 6 time or memory limit, 7 output cannot be written, 8 batch finished but
+some items failed, 70 internal error, 130 interrupted"""
 
 
 def build_parser() -> Parser:
@@ -44,7 +44,7 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="store_true", help="print the version and end")
     add_common(parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands", parser_class=Parser)
-    for module in (demo, fit, audit, curvature, report, view, export, reproduce, samples):
+    for module in (demo, fit, audit, curvature, report, view, export, batch, reproduce, samples):
         module.add(commands)
     return parser
 

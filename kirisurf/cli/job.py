@@ -12,7 +12,6 @@ from kirisurf.spec import FitSpec
 from kirisurf.status import Status
 
 
-
 def run_job(spec: FitSpec, folder: str, overwrite: bool, pictures: bool, output: Output) -> Outcome:
     """Fit a resolved spec and write the run folder.
 

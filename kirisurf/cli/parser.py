@@ -13,7 +13,7 @@ from kirisurf.errors import ParameterError
 T = TypeVar("T")
 
 # Named by the interface, built by later versions; not listed, for what is listed has to work.
-LATER_COMMANDS = ("deploy", "batch")
+LATER_COMMANDS = ("deploy",)
 
 
 class Parser(argparse.ArgumentParser):

@@ -15,6 +15,9 @@ from typing import BinaryIO
 
 from kirisurf.errors import OutputError
 
+TEMPORARY = ".kirisurf-"
+"""First letters of the names of files and folders that are not finished: what is left of a killed process."""
+
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """Write `content` to `path`, replacing an old file only when the new one is safely on the disk.
@@ -48,7 +51,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     try:
         if target.is_dir():
             raise IsADirectoryError("it is a folder")
-        handle, made = tempfile.mkstemp(prefix=".kirisurf-", suffix=".tmp", dir=target.parent)
+        handle, made = tempfile.mkstemp(prefix=TEMPORARY, suffix=".tmp", dir=target.parent)
         temporary = Path(made)
         with os.fdopen(handle, "wb") as file:
             yield file
