@@ -22,7 +22,7 @@ from dataclasses import replace
 
 from kirisurf.batch.limiting import adopt_orphans, die_with, end_family, end_orphans, limit_memory
 from kirisurf.batch.order import Answer, Order
-from kirisurf.failures import INTERNAL, INTERRUPTED
+from kirisurf.failures import INTERNAL, INTERRUPTED, explained
 
 READY = b"ready\n"
 LEAST_GRACE, MOST_GRACE = 5.0, 60.0
@@ -97,7 +97,7 @@ def _be_child(order: Order, host: int, answer_in: int, said_in: int) -> None:
 
         code, message = make(order)
     except BaseException as problem:
-        code, message = INTERNAL, f"internal error: {type(problem).__name__}: {problem}"
+        code, message = explained(problem)
     finally:
         try:
             _write(answer_in, Answer(code, message).line())
