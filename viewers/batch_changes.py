@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeGuard
 
+from viewers.batch_rows import CODES
 from viewers.number_words import number_in_words
 from viewers.report_page import formatted
 from viewers.words import row_in_words
@@ -21,13 +22,17 @@ _WORDS = {
     "coverage_strict": ("strict coverage", ""),
     "opening_min": ("smallest opening", "rad"),
     "min_edge": ("smallest edge", "L"),
+    "gaussian_curvature_difference_relative": ("K of the holes off the target's, over its median", ""),
+    "mean_curvature_difference_relative": ("H of the holes off the target's, over its median", ""),
+    "angle_defect_difference_relative": ("angle defects off the target's K, over its median", ""),
+    "gauss_image_area_difference_relative": ("K of the cells off the target's, over its median", ""),
     "tiles": ("tiles", ""),
     "holes": ("holes", ""),
     "iterations": ("steps", ""),
     "seconds": ("time", "s"),
     "peak_mb": ("peak memory", "MB"),
     "outcome": ("outcome", ""),
-    "code": ("exit code", ""),
+    "code": ("how it ended", ""),
     "status": ("status", ""),
     "certified": ("certified", ""),
 }
@@ -53,7 +58,7 @@ class ShownChange:
     bars : (float, float) or None
         Lengths of before and now in percent of the longer; None where they are no numbers from zero on.
     sentence : str
-        What stands for all of it where before and now are no numbers.
+        What stands for all of it where it is no number that changed, but how the item ended.
     """
 
     index: int
@@ -149,8 +154,10 @@ def change_words(before: object, now: object) -> str:
 
     Examples
     --------
-    >>> change_words(0.0084, 0.0120), change_words(1e-14, 1e-9), change_words(0.0, 1.0), change_words(0.5, 0.1)
-    ('+43\N{NO-BREAK SPACE}%', '\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}10^5$', '', '\N{MINUS SIGN}80\N{NO-BREAK SPACE}%')
+    >>> change_words(0.0084, 0.0126), change_words(0.5, 0.1), change_words(0.0, 1.0)
+    ('+50\N{NO-BREAK SPACE}%', '\N{MINUS SIGN}80\N{NO-BREAK SPACE}%', '')
+    >>> change_words(1e-14, 1e-9), change_words(0.1, 0.4)
+    ('\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}10^5$', '\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}4')
     """
     if not _is_number(before) or not _is_number(now) or not before:
         return ""
@@ -166,17 +173,28 @@ def _shown(index: int, change: Mapping[str, Any], told: Mapping[str, Any]) -> Sh
     name = str(change.get("measure") or "")
     label, unit = measure_words(name)
     before, now = change.get("before"), change.get("now")
+    is_end = bool(_end_words(name, before, now))
     return ShownChange(
         index,
         name,
         label,
         unit,
         str(change.get("verdict") or ""),
-        change_words(before, now),
+        "" if is_end else change_words(before, now),
         allowed_words(told, unit),
-        _bars(before, now),
-        str(change.get("sentence") or "") if before is None and now is None else "",
+        None if is_end else _bars(before, now),
+        _end_words(name, before, now) or ("" if _is_number(before) or _is_number(now) else str(change.get("sentence"))),
     )
+
+
+def _end_words(measure: str, before: object, now: object) -> str:
+    """Return how the item ended before and now; empty of a measure."""
+    if measure == "certified" and isinstance(now, bool):
+        return "no longer certified" if not now else "certified now, and was not before"
+    if measure == "code":
+        was, is_now = (CODES.get(code, f"exit code {code}") for code in (before, now))
+        return f"{was} before, {is_now} now"
+    return ""
 
 
 def _factor(ratio: float) -> str:

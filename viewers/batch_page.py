@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import statistics
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from viewers.batch_changes import ShownChange, Tolerance, allowed_words, measure_words, shown_changes, tolerance_rows
-from viewers.batch_rows import BatchRow, batch_rows, legible_document, severity
+from viewers.batch_changes import ShownChange, Tolerance, allowed_words, shown_changes, tolerance_rows
+from viewers.batch_head import batch_chips, batch_facts, batch_verdict, chip_keys, powers
+from viewers.batch_rows import BatchRow, batch_rows, legible_document
 from viewers.batch_wall import batch_wall
-from viewers.report_page import data_address, formatted, page_template, shower
+from viewers.report_page import data_address, page_template, shower
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -40,31 +39,12 @@ MOST_CARDS = 100
 
 
 @dataclass(frozen=True)
-class Chip:
-    """A number of items that the table can be narrowed to: key, words, how many, and their kind or verdict."""
-
-    key: str
-    words: str
-    count: int
-    kind: str
-
-
-@dataclass(frozen=True)
 class Card:
     """An item that is shown in full: its row, its place among the compared ones, and what changed."""
 
     row: BatchRow
     place: int | None
     changes: list[ShownChange]
-
-
-@dataclass(frozen=True)
-class Fact:
-    """A number at the head of the page."""
-
-    value: Markup
-    unit: str
-    words: str
 
 
 def batch_page(summary: Mapping[str, Any], thumbnails: Mapping[str, bytes]) -> str:
@@ -101,19 +81,20 @@ def batch_page(summary: Mapping[str, Any], thumbnails: Mapping[str, bytes]) -> s
     cards = _cards(summary, rows, comparison)
     urgent = [card for card in cards if card.row.needs_attention]
     improved = [card for card in cards if card.row.verdict == "better"]
-    chips = _chips(rows)
-    is_good, sentences = _verdict(rows, comparison)
+    chips = batch_chips(rows)
+    state, sentences = batch_verdict(rows, comparison)
     return page_template("batch.html").render(
         title=document.get("title") or "batch",
         summary=document,
         rows=rows,
         show=shower(document),
-        powers=_powers,
-        is_good=is_good,
+        powers=powers,
+        state=state,
+        mark={"pass": "\u2713", "warn": "!", "fail": "\u2717"}[state],
         sentences=sentences,
-        facts=_facts(document["items"]),
+        facts=batch_facts(document["items"]),
         chips=chips,
-        keys={row.index: " ".join(_keys(row, chips)) for row in rows},
+        keys={row.index: " ".join(chip_keys(row, chips)) for row in rows},
         pictures=pictures,
         classes=classes,
         urgent=urgent[:MOST_CARDS],
@@ -154,87 +135,6 @@ def _cards(summary: Mapping[str, Any], rows: Sequence[BatchRow], comparison: Map
     return sorted(cards, key=lambda card: (card.row.verdict != "worse", card.row.kind != "bad", -card.row.severity))
 
 
-def _chips(rows: Sequence[BatchRow]) -> list[Chip]:
-    verdicts = Counter(row.verdict for row in rows)
-    outcomes = Counter(row.outcome for row in rows)
-    chips = [Chip("unexpected", "not as expected", sum(row.kind == "bad" for row in rows), "bad")]
-    kinds = {"worse": "bad", "better": "good", "same": "kept", "new": "kept"}
-    chips += [Chip(f"v-{verdict}", verdict, verdicts[verdict], kind) for verdict, kind in kinds.items()]
-    for k, outcome in enumerate(sorted(outcomes, key=severity)):
-        kind = {"done": "good", "done with warnings": "warn"}.get(outcome, "kept")
-        chips.append(Chip(f"o-{k}", outcome, outcomes[outcome], kind))
-    return [chip for chip in chips if chip.count]
-
-
-def _keys(row: BatchRow, chips: Sequence[Chip]) -> list[str]:
-    words = {row.outcome, row.verdict} | ({"not as expected"} if row.kind == "bad" else set())
-    return [chip.key for chip in chips if chip.words in words]
-
-
-def _verdict(rows: Sequence[BatchRow], comparison: Mapping[str, Any]) -> tuple[bool, list[str]]:
-    """Return whether all is well, and why, the most important first."""
-    n, unexpected = len(rows), [row for row in rows if row.kind == "bad"]
-    idle = sum(row.kind == "none" for row in rows)
-    ended = n - idle
-    if not n:
-        sentences = ["There was nothing to fit."]
-    elif unexpected:
-        outcomes = Counter(row.outcome for row in unexpected)
-        worst = sorted(outcomes, key=severity, reverse=True)
-        found = worst[0] if len(unexpected) == 1 else ", ".join(f"{outcomes[name]} {name}" for name in worst)
-        sentences = [f"{ended - len(unexpected)} of {n} ended as expected; {len(unexpected)} did not: {found}."]
-    elif ended:
-        each = "The one item" if n == 1 else f"All {n} items" if ended == n else f"{ended} of {n} items"
-        sentences = [f"{each} ended as expected."]
-    else:
-        sentences = []
-    refused = sum(row.kind == "kept" for row in rows)
-    if refused:
-        sentences.append(f"{refused} of them {'was' if refused == 1 else 'were'} expected to fail, and did.")
-    if idle:
-        sentences.append(f"{idle} {'was' if idle == 1 else 'were'} not run to the end.")
-    counts = comparison.get("counts") or Counter(entry.get("verdict") for entry in comparison.get("items") or ())
-    if comparison:
-        words = ("worse", "better", "missing", "new", "same")
-        parts = [f"{counts[word]} {'the same' if word == 'same' else word}" for word in words if counts.get(word)]
-        sentences.append(f"Against the baseline: {', '.join(parts) or 'nothing to compare'}.")
-    worse = counts.get("worse") or any(row.verdict == "worse" for row in rows)
-    return not unexpected and not idle and not worse, sentences
-
-
-def _facts(items: Sequence[Mapping[str, Any]]) -> list[Fact]:
-    certified = [item for item in items if item.get("certified") is True]
-    judged = sum(item.get("certified") is not None for item in items)
-    facts = []
-    if judged:
-        facts.append(Fact(_powers(str(len(certified))), f"of {judged}", "designs certified"))
-    distances = _numbers((item.get("measures") or {}).get("distance_rms") for item in certified)
-    if distances:
-        words = "rms distance" + (", median of the certified" if len(distances) > 1 else "")
-        facts.append(Fact(_powers(formatted(statistics.median(distances))), "L", words))
-    seconds, memory = _numbers(item.get("seconds") for item in items), _numbers(item.get("peak_mb") for item in items)
-    if seconds:
-        words = f"an item, in the median; the slowest {_duration(max(seconds))}, all together {_duration(sum(seconds))}"
-        facts.append(
-            Fact(_powers(formatted(statistics.median(seconds))), "s", words if len(seconds) > 1 else "it took")
-        )
-    if memory:
-        facts.append(Fact(_powers(formatted(max(memory))), "MB", "the largest peak memory"))
-    return facts
-
-
-def _numbers(values: Any) -> list[float]:
-    return [
-        value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool) and value == value
-    ]
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 120:
-        return f"{formatted(seconds)} s"
-    return f"{formatted(seconds / 60)} min" if seconds < 7200 else f"{formatted(seconds / 3600)} h"
-
-
 def _columns(items: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, tuple[str, ...]]]:
     """The columns of numbers that any item has a value in."""
 
@@ -247,11 +147,4 @@ def _columns(items: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, tuple[s
 
 def _tolerances(comparison: Mapping[str, Any]) -> list[tuple[Tolerance, Markup]]:
     told = comparison.get("tolerances") or {}
-    return [(row, _powers(allowed_words(told[row.measure], row.unit))) for row in tolerance_rows(comparison)]
-
-
-def _powers(text: str) -> Markup:
-    """A formatted number as markup: what stands between ^ and $ is an exponent."""
-    from markupsafe import Markup, escape
-
-    return Markup(str(escape(text)).replace("^", "<sup>").replace("$", "</sup>"))
+    return [(row, powers(allowed_words(told[row.measure], row.unit))) for row in tolerance_rows(comparison)]

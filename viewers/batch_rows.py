@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from kirisurf.errors import ParameterError
 
-CODES = {
+CODES: Mapping[object, str] = {
     0: "done",
     1: "done with warnings",
     2: "wrong parameter",
@@ -37,6 +37,7 @@ _ORDER = (
     "interrupted",
     "not run",
 )
+_LINES = 8
 _MARKS = {"good": "\u2713", "warn": "!", "bad": "\u2717", "kept": "\u25cb", "none": "\u2013"}
 # marks that turn the direction of the text round them
 _TURNING = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
@@ -62,6 +63,8 @@ class BatchRow:
         Values of the varied options, in their order; empty where it has none.
     sentences : tuple of str
         Failures and warnings.
+    said : tuple of str
+        The last lines that its process wrote.
     href : str or None
         Relative address of its report.
     verdict : str
@@ -78,6 +81,7 @@ class BatchRow:
     expected: str
     options: tuple[str, ...]
     sentences: tuple[str, ...]
+    said: tuple[str, ...]
     href: str | None
     verdict: str
 
@@ -85,6 +89,11 @@ class BatchRow:
     def severity(self) -> int:
         """Rank of the outcome, the better the lower."""
         return severity(self.outcome)
+
+    @property
+    def target_name(self) -> str:
+        """The target without the folders of who asked for it: the page may be mailed."""
+        return self.target.rsplit("/", 1)[-1] if self.target.startswith(("/", "../")) else self.target
 
     @property
     def needs_attention(self) -> bool:
@@ -121,12 +130,12 @@ def severity(outcome: str) -> int:
 
 
 def legible(text: object) -> str:
-    """Return a text that shows what is in it: no control characters, none that turn its direction, no lone surrogates.
+    r"""Return a text that shows what is in it: control characters as pictures, lone surrogates and what turns as codes.
 
     Examples
     --------
-    >>> legible("a\\nb"), legible("evil\\u202egpj.exe"), legible("caf\\udce9")
-    ('a\\u240ab', 'evil\\\\u202egpj.exe', 'caf\\\\udce9')
+    >>> legible("a\nb") == "a\u240ab", legible("caf\udce9") == r"caf\udce9"
+    (True, True)
     """
     return "".join(map(_shown, str(text)))
 
@@ -180,6 +189,7 @@ def _row(index: int, item: Mapping[str, Any], varied: Sequence[str], verdict: st
         " or ".join(CODES.get(code, f"exit code {code}") for code in codes),
         tuple(legible(options[name]) if options.get(name) is not None else "" for name in varied),
         tuple(legible(sentence) for sentence in sentences),
+        tuple(legible(line) for line in (item.get("said") or ())[-_LINES:]),
         report_address(item.get("folder")),
         legible(verdict),
     )

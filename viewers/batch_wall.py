@@ -61,7 +61,8 @@ def batch_wall(rows: Sequence[BatchRow], varied: Sequence[str]) -> Wall | None:
     ):
         return None
     heads = tuple((name.replace("_", " "), _spans(combinations, k)) for k, name in enumerate(varied))
-    lines = tuple((target, tuple(at.get((target, each)) for each in combinations)) for target in targets)
+    names = {row.target: row.target_name for row in rows}
+    lines = tuple((names[target], tuple(at.get((target, each)) for each in combinations)) for target in targets)
     return Wall(heads, lines)
 
 
