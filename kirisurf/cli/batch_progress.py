@@ -42,9 +42,10 @@ class BatchProgress:
         self.told = Told(self.kept, self.ended)
         self._n, self._n_kept = n, 0
         self._tell, self._clock = tell, clock
-        self._began: float | None = None
+        self._began = clock()
 
     def __enter__(self) -> BatchProgress:
+        self._began = self._clock()
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -71,8 +72,6 @@ class BatchProgress:
 
     def seconds_left(self) -> float | None:
         """Return the time that is left at the rate so far; None at the start and the end."""
-        if self._began is None:
-            self._began = self._clock() - 1e-9
         made, left = len(self.outcomes) - self._n_kept, self._n - len(self.outcomes)
         return None if made < 2 or not left else left * (self._clock() - self._began) / made
 
@@ -102,6 +101,7 @@ class Table(BatchProgress):
         self._live: Any = Live(console=Console(stderr=True), refresh_per_second=8, transient=True)
 
     def __enter__(self) -> Table:
+        super().__enter__()
         self._live.start()
         self._show()
         return self
@@ -119,7 +119,7 @@ class Table(BatchProgress):
         """Take an item that was just made."""
         super().ended(outcome)
         self._latest.append(outcome)
-        made, elapsed = len(self.outcomes) - self._n_kept, self._clock() - (self._began or self._clock())
+        made, elapsed = len(self.outcomes) - self._n_kept, self._clock() - self._began
         rate = f"{60 * made / elapsed:.1f} a minute" if elapsed > 1.0 else ""
         self._bar.update(self._task, completed=len(self.outcomes), rate=rate)
         self._show()

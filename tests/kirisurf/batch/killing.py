@@ -1,6 +1,6 @@
 """Rounds of start, kill -9 at a random moment, start again; the tree must end as one that nobody disturbed.
 
-    python tests/kirisurf/batch/killing.py [ROUNDS]
+python tests/kirisurf/batch/killing.py [ROUNDS]
 """
 
 from __future__ import annotations

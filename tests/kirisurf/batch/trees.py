@@ -62,7 +62,9 @@ def contents(root: Path) -> dict[str, Any]:
 def differences(one: Path, other: Path) -> list[str]:
     """Return the names of files that are not in both folders alike."""
     here, there = contents(one), contents(other)
-    return sorted(name for name in {*here, *there} if name not in here or name not in there or here[name] != there[name])
+    return sorted(
+        name for name in {*here, *there} if name not in here or name not in there or here[name] != there[name]
+    )
 
 
 def _timeless(value: Any) -> Any:
