@@ -71,7 +71,7 @@ def on_cluster(address: str, folder: Path) -> Engine:
                 for k, order in enumerate(orders)
             }
             try:
-                for future in as_completed(futures):
+                for future in as_completed(futures, loop=client.loop):
                     problem = future.exception()
                     if isinstance(problem, (CancelledError, OSError)):
                         raise ClusterLostError(f"--scheduler: expected {address} to stay, got: {problem}")
