@@ -15,6 +15,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kirisurf.batch import fit_batch as fit_batch
     from kirisurf.cards import card as card
     from kirisurf.design import Design as Design
     from kirisurf.design import fit as fit
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "fit": "kirisurf.design",
+    "fit_batch": "kirisurf.batch",
     "audit": "kirisurf.judging",
     "card": "kirisurf.cards",
     "Design": "kirisurf.design",

@@ -56,19 +56,19 @@ def read_baseline(path: str | os.PathLike[str]) -> Values:
     return items
 
 
-def baseline_text(outcomes: Sequence[Outcome], before: Values | None = None) -> str:
-    """Return outcomes as a baseline.
+def baseline_text(items: Sequence[Mapping[str, Any]], before: Values | None = None) -> str:
+    """Return the items of a summary as a baseline.
 
     Parameters
     ----------
-    outcomes : sequence of Outcome
+    items : sequence of mapping
     before : mapping, optional
         The baseline that is replaced: values that are within the usual tolerances keep its digits, so that the
         lines that differ are those that changed.
     """
     import tomli_w
 
-    now = {each.name: _values(each.as_dict()) for each in outcomes}
+    now = {str(each["name"]): _values(each) for each in items}
     same = (
         set()
         if before is None

@@ -118,7 +118,7 @@ def safe_name(text: str) -> str:
     Examples
     --------
     >>> safe_name("hood.stl"), safe_name("--rm -rf/é.stl")
-    ('hood.stl', 'rm_-rf__.stl-8443a5')
+    ('hood.stl', 'rm_-rf__.stl-b4604a')
     """
     plain = re.sub(r"[^A-Za-z0-9._-]", "_", text).lstrip("._-") or "item"
     return plain if plain == text and len(plain) <= LONGEST_NAME else _marked(plain, text)

@@ -68,6 +68,8 @@ class BatchSpec:
         Relative changes of measures against a baseline that count as none, where they are not the usual ones.
     notes : tuple of str
         What was left out.
+    source : str
+        Name of the file or folder that it was read from.
     """
 
     title: str
@@ -75,6 +77,7 @@ class BatchSpec:
     limits: Limits
     tolerances: Mapping[str, float]
     notes: tuple[str, ...] = ()
+    source: str = ""
 
     @property
     def varied(self) -> tuple[str, ...]:
@@ -100,7 +103,10 @@ def read_batch(path: str | os.PathLike[str], given: Mapping[str, Any] | None = N
     ParameterError
         Where it says something that is not known, or nothing.
     """
-    path, given = Path(path), dict(given or {})
+    return replace(_read(Path(path), dict(given or {})), source=Path(path).name)
+
+
+def _read(path: Path, given: Mapping[str, Any]) -> BatchSpec:
     if path.is_dir():
         asked, notes = of_folder(path)
         return _built(path.absolute().name or "batch", asked, given, {}, {}, notes)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kirisurf.cli.fit import add_spec_options, given_options
 from kirisurf.cli.output import Outcome, Output
 from kirisurf.cli.parser import add_command, number, whole
-from kirisurf.errors import OutputError, ParameterError
 
 if TYPE_CHECKING:
-    from kirisurf.batch.engines import Engine
-    from kirisurf.batch.folder import BatchFolder
     from kirisurf.batch.reading import BatchSpec
 
 _TEXT = """\
@@ -82,105 +80,54 @@ def add(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     """Run the command."""
-    from kirisurf.batch.baseline import read_baseline
-    from kirisurf.batch.folder import BatchFolder
+    from kirisurf.batch import fit_batch
     from kirisurf.batch.reading import read_batch
-    from kirisurf.batch.running import Asking, run_batch
-    from kirisurf.batch.writing import batch_text
     from kirisurf.cli.batch_progress import progress_of
 
     spec = _limited(read_batch(arguments.batch, given_options(arguments)), arguments)
-    target = _baseline_file(arguments)
-    before = None
-    if arguments.baseline is not None and not (target is not None and not target.exists()):
-        before = read_baseline(arguments.baseline)
-    asking = Asking(
-        arguments.pictures,
-        arguments.again,
-        before,
-        Path(arguments.baseline or "").name,
-        Path(arguments.batch).name,
-    )
     for note in spec.notes:
         output.message(f"note: {note}")
-    with BatchFolder(arguments.output, batch_text(spec)) as folder:
-        forgotten = folder.forgotten(spec)
-        engine = _engine(arguments, folder)
-        with progress_of(spec, output) as progress:
-            summary = run_batch(spec, folder, engine, asking, progress.told)
-        outcomes = progress.outcomes
-        if target is not None:
-            _accept(target, spec, outcomes, before, output)
-    return _told(summary, folder, forgotten, target is not None, output)
+    with progress_of(spec, output) as progress:
+        summary = fit_batch(
+            spec,
+            arguments.output,
+            workers=arguments.workers,
+            scheduler=arguments.scheduler,
+            baseline=arguments.baseline,
+            accept=arguments.accept,
+            pictures=arguments.pictures,
+            again=arguments.again,
+            told=progress.told,
+        )
+    if arguments.accept:
+        output.message(f"baseline: {arguments.baseline} ({len(spec.items)} items)")
+    return _told(summary, Path(arguments.output).absolute(), arguments.accept, output)
 
 
 def _limited(spec: BatchSpec, arguments: argparse.Namespace) -> BatchSpec:
     """The batch with the limits that were given here."""
-    from dataclasses import asdict, replace
-
     given = {"seconds": arguments.limit_seconds, "memory_mb": arguments.limit_memory}
     changed = {name: value for name, value in given.items() if value is not None}
     return replace(spec, limits=type(spec.limits).of({**asdict(spec.limits), **changed}))
 
 
-def _baseline_file(arguments: argparse.Namespace) -> Path | None:
-    """The file that is to be written anew, if any."""
-    if not arguments.accept:
-        return None
-    if arguments.baseline is None:
-        raise ParameterError("--accept: expected together with --baseline FILE, got it alone")
-    path = Path(arguments.baseline)
-    if path.is_dir() or path.suffix.lower() != ".toml":
-        raise ParameterError(f"--accept: expected --baseline to name a .toml file, got {arguments.baseline!r}")
-    if not path.absolute().parent.is_dir():
-        raise OutputError(f"{path}: expected a folder to write to, got one that does not exist")
-    return path
-
-
-def _engine(arguments: argparse.Namespace, folder: BatchFolder) -> Engine:
-    """Who makes the runs."""
-    from kirisurf.batch.engines import on_this_machine
-    from kirisurf.solvers.team import n_cores
-
-    if arguments.scheduler is not None:
-        if arguments.workers is not None:
-            raise ParameterError("--workers: expected without --scheduler, whose workers are its own, got both")
-        from kirisurf.batch.cluster import on_cluster
-
-        return on_cluster(arguments.scheduler, folder.path)
-    workers = n_cores() if arguments.workers is None else arguments.workers
-    if not 1 <= workers <= 1024:
-        raise ParameterError(f"--workers: expected a whole number from 1 to 1024, got {workers}")
-    return on_this_machine(workers)
-
-
-def _accept(path: Path, spec: BatchSpec, outcomes: Any, before: Any, output: Output) -> None:
-    """Write the baseline anew."""
-    from kirisurf.batch.baseline import baseline_text
-    from kirisurf.formats.atomic import write_text
-
-    write_text(path, baseline_text([outcomes[item.name] for item in spec.items], before))
-    output.message(f"baseline: {path} ({len(spec.items)} items)")
-
-
-def _told(
-    summary: dict[str, Any], folder: BatchFolder, forgotten: tuple[str, ...], is_accepted: bool, output: Output
-) -> Outcome:
+def _told(summary: dict[str, Any], folder: Path, is_accepted: bool, output: Output) -> Outcome:
     """Say how the batch went, the verdict last."""
+    from kirisurf.batch.items import FINE
     from kirisurf.cli.batch_progress import comparison_lines, summary_lines
 
     for line in summary_lines(summary):
         output.message(line)
     for line in comparison_lines(summary):
         output.message(line)
-    code = 0
+    code, forgotten = 0, summary["forgotten"]
     if forgotten:
         names = ", ".join(forgotten[:5]) + (", ..." if len(forgotten) > 5 else "")
-        output.warning(f"{len(forgotten)} runs in {folder.path} belong to no item of this batch and were left: {names}")
+        output.warning(f"{len(forgotten)} runs in {folder} belong to no item of this batch and were left: {names}")
         code = 1
     compared = summary["comparison"]
     same = {each["name"] for each in (compared or {}).get("items", ()) if each["verdict"] == "same"}
-    stated = {item["name"] for item in summary["items"] if item["expect"] != [0, 1] and item["expect"] != (0, 1)}
+    stated = {item["name"] for item in summary["items"] if tuple(item["expect"]) != FINE}
     if any(item["code"] == 1 and item["name"] not in same | stated for item in summary["items"]):
         code = 1
     if compared is not None and compared["counts"]["missing"] and not is_accepted:
@@ -189,6 +136,6 @@ def _told(
         code = 8
     if compared is not None and compared["counts"]["worse"] and not is_accepted:
         code = 8
-    report = folder.path / "report.html"
+    report = folder / "report.html"
     output.product(str(report))
-    return Outcome(code, {**summary, "exit_code": code, "folder": str(folder.path), "report": str(report)})
+    return Outcome(code, {**summary, "exit_code": code, "folder": str(folder), "report": str(report)})

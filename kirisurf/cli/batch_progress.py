@@ -181,7 +181,7 @@ def comparison_lines(summary: Mapping[str, Any]) -> list[str]:
     return [*lines, f"against {compared['baseline']}: {words}"]
 
 
-def duration(seconds: float) -> str:
+def duration(seconds: float | int) -> str:
     """Return a time in words.
 
     Examples

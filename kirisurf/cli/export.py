@@ -23,6 +23,8 @@ The suffix chooses what is written:
   .pvd   the sheet opening, as a time series for ParaView (likewise): interpolated between the two states,
          for the eye; every frame says how far from rigid its tiles are
   .csv   the curvature of every hole
+  .inp   the flat sheet as elastic shells, slits cut and ligaments left, that is pulled open at its rim: input of
+         the finite element program CalculiX; needs --thickness. Forces are over Young's modulus
 
 OBJ, VTP and STL hold the flat sheet unless --state deployed is given. Lengths are those of the finished
 part, in the units of the target. --fit-sheet puts the pattern in the middle of the sheet, turned by 90
@@ -33,7 +35,8 @@ _EXAMPLES = """\
   kirisurf export runs/hood --to hood.dxf --fit-sheet 600x400 --scale max
   kirisurf export runs/hood --to print.stl --thickness 3 --hinge-thickness 0.6
   kirisurf export runs/hood --to hood.stl hood.vtp --state deployed
-  kirisurf export runs/hood --to hood.vtm opening.pvd --frames 61"""
+  kirisurf export runs/hood --to hood.vtm opening.pvd --frames 61
+  kirisurf export runs/hood --to hood.inp --thickness 0.5 --hinge-width 2"""
 
 
 def add(commands: Any) -> None:
@@ -76,8 +79,10 @@ def add(commands: Any) -> None:
     cutting.add_argument(
         "--fit-sheet", metavar="WxH", type=value(Sheet.parse), help="sheet that the pattern has to fit"
     )
-    solid = parser.add_argument_group("solids (STL)")
-    solid.add_argument("--thickness", metavar="LENGTH", type=number, help="height of the tiles: makes the STL a solid")
+    solid = parser.add_argument_group("solids (STL) and shells (INP)")
+    solid.add_argument(
+        "--thickness", metavar="LENGTH", type=number, help="height of the tiles: makes the STL a solid; of the shells"
+    )
     solid.add_argument(
         "--hinge-thickness", metavar="LENGTH", type=number, help="height of the hinges; default: a third of --thickness"
     )

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from kirisurf.naming import printable
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -55,8 +57,8 @@ class Output:
         _write("stderr", f"warning: {text}")
 
     def error(self, text: str) -> None:
-        """Print why the command failed."""
-        _write("stderr", f"kirisurf: {text}")
+        """Print why the command failed, on one line."""
+        _write("stderr", printable(f"kirisurf: {text}"))
 
     def finish(self, command: str, outcome: Outcome) -> None:
         """Print the JSON object, if asked for, and flush."""
@@ -84,7 +86,7 @@ def prepare_streams() -> None:
 
 
 def _write(name: str, text: str) -> None:
-    _guarded(name, lambda: print(text, file=getattr(sys, name)))
+    _guarded(name, lambda: print(printable(text, "\n\t"), file=getattr(sys, name)))
 
 
 def _guarded(name: str, act: Callable[[], None]) -> None:
