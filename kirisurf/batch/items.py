@@ -70,6 +70,8 @@ class Item:
         Resolved; None where the options are wrong.
     problem : str
         Why there is no spec.
+    problem_code : int
+        Exit code of that.
     """
 
     name: str
@@ -79,6 +81,7 @@ class Item:
     is_stated: bool
     spec: FitSpec | None
     problem: str = ""
+    problem_code: int = 2
 
 
 def items_of(asked: Sequence[Asked]) -> tuple[Item, ...]:
@@ -118,9 +121,11 @@ def safe_name(text: str) -> str:
     Examples
     --------
     >>> safe_name("hood.stl"), safe_name("--rm -rf/é.stl")
-    ('hood.stl', 'rm_-rf__.stl-b4604a')
+    ('hood.stl', 'x--rm_-rf__.stl-b4604a')
     """
-    plain = re.sub(r"[^A-Za-z0-9._-]", "_", text).lstrip("._-") or "item"
+    plain = re.sub(r"[^A-Za-z0-9._-]", "_", text)
+    if not plain[:1].isalnum():  # neither hidden nor an option
+        plain = f"x{plain}"
     return plain if plain == text and len(plain) <= LONGEST_NAME else _marked(plain, text)
 
 
@@ -140,13 +145,15 @@ def _name_of(each: Asked) -> str:
 def _item(each: Asked, name: str) -> Item:
     target = str(each.options.get("target", ""))
     expect = FINE if each.expect is None else each.expect
-    spec, problem = None, ""
+    # bytes of a path that are no UTF-8 cannot be written to any table
+    target = target.encode("utf-8", "backslashreplace").decode("utf-8")
+    spec, problem, code = None, "", 0
     try:
         sized = bool({"cells", "tiles"} & set(each.options))
         spec = resolved(FitSpec.from_dict(each.options, name), each.folder, sized)
     except KirisurfError as found:
-        problem = str(found)
-    return Item(name, target, dict(each.varied), expect, each.expect is not None, spec, problem)
+        problem, code = str(found), found.exit_code
+    return Item(name, target, dict(each.varied), expect, each.expect is not None, spec, problem, code)
 
 
 def option_names() -> tuple[str, ...]:

@@ -132,7 +132,7 @@ def not_run(item: Item, reason: str, code: int = 130) -> Outcome:
 
 def wrong(item: Item) -> Outcome:
     """Return the outcome of an item whose options are wrong."""
-    return Outcome(**_about(item, 2), outcome=WORDS[2], reason=item.problem)
+    return Outcome(**_about(item, item.problem_code), outcome=WORDS[item.problem_code], reason=item.problem)
 
 
 def read_result(folder: Path) -> dict[str, Any] | None:

@@ -83,7 +83,7 @@ def run_batch(spec: BatchSpec, folder: BatchFolder, engine: Engine, asking: Aski
             continue
         outcomes[item.name] = found
         folder.record(found)
-        told.kept(found)
+        (told.kept if item.spec is not None else told.ended)(found)
     orders = [_order(item, spec, folder, asking) for item in to_make]
     problem: BaseException | None = None
     answers = engine(orders)
