@@ -6,6 +6,7 @@ import base64
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -144,6 +145,12 @@ def shower(numbers: Mapping[str, Any]) -> Callable[..., Markup]:
 
 def page_template(name: str) -> Any:
     """Return a template of the reports."""
+    return _environment().get_template(name)
+
+
+@cache
+def _environment() -> Any:
+    """What templates are compiled in, once in a process."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -155,4 +162,4 @@ def page_template(name: str) -> Any:
     )
     environment.filters["unit"] = unit_label
     environment.filters["named"] = name_unit
-    return environment.get_template(name)
+    return environment
