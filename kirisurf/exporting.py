@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from kirisurf.dxf import dxf_text
+from kirisurf.elastic.input_file import export_elastic
 from kirisurf.errors import ParameterError
 from kirisurf.exporting_blocks import FRAMES, MOST_FRAMES, write_blocks, write_series
 from kirisurf.fabrication import Fabrication, SheetPlace, cut_lines, solid_part
@@ -26,6 +27,7 @@ from kirisurf.svg import svg_text
 STATES = ("contracted", "deployed")
 CUTTING = (".svg", ".dxf")
 BLOCKS, SERIES = ".vtm", ".pvd"
+SHELLS = ".inp"
 _LATER = (".pdf", ".step", ".stp", ".3mf", ".ply")
 
 
@@ -48,6 +50,7 @@ def export(
     .vtm     tiles, holes, target and contracted tiles as named blocks, in a folder beside it
     .pvd     the sheet opening, frame by frame, in a folder beside it: interpolated, no mechanism
     .stl     triangles of a state, or with a thickness the sheet as a solid (binary, single precision)
+    .inp     the sheet as elastic shells that are pulled open, for CalculiX (needs a thickness)
     .csv     curvature of every hole
     =======  ==============================================================
 
@@ -123,7 +126,9 @@ def export_with_remarks(
         part, placement = solid_part(run, making)
         write_bytes(path, stl_bytes(part.corners))
         return Exported(path, placement, part.warnings)
-    if suffix == SERIES:
+    if suffix == SHELLS:
+        export_elastic(run, path, thickness=making.thickness or 0.0, hinge_width=making.hinge_width, units=making.units)
+    elif suffix == SERIES:
         write_series(run, path, frames)
     elif suffix == BLOCKS:
         write_blocks(run, path)
@@ -157,7 +162,9 @@ def check_names(
         if suffix not in SUFFIXES:
             raise ParameterError(f"{path}: expected a suffix among {', '.join(SUFFIXES)}, got {suffix or 'none'}")
         is_solid = suffix == ".stl" and making.thickness is not None
-        if suffix in (BLOCKS, SERIES) and state is not None:
+        if suffix == SHELLS and making.thickness is None:
+            raise ParameterError(f"{path}: expected --thickness with {suffix}, got none")
+        if suffix in (BLOCKS, SERIES, SHELLS) and state is not None:
             raise ParameterError(f"{path}: expected no --state for {suffix}, which holds both, got {state}")
         if (suffix in CUTTING or is_solid) and state == "deployed":
             what = "solid" if is_solid else "cut pattern"
@@ -232,4 +239,4 @@ _WRITERS: dict[str, Callable[[Run, Path, str], None]] = {
     ".stl": _write_stl,
     ".csv": _write_csv,
 }
-SUFFIXES = (*CUTTING, *_WRITERS, BLOCKS, SERIES)
+SUFFIXES = (*CUTTING, *_WRITERS, BLOCKS, SERIES, SHELLS)
