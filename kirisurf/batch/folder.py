@@ -54,7 +54,10 @@ class BatchFolder:
     """
 
     def __init__(self, path: str | os.PathLike[str], text: str) -> None:
-        self.path = Path(os.path.abspath(path))
+        try:
+            self.path = Path(os.path.abspath(path))
+        except OSError:
+            raise OutputError(f"{path}: expected a folder, got a current one that is gone: change to another") from None
         self._text = text
         self._lock: int | None = None
 
