@@ -11,7 +11,10 @@ import sys
 
 def _without_current_folder() -> None:
     home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    here = os.getcwd()
+    try:
+        here = os.getcwd()
+    except OSError:  # it was deleted, or may not be read: nothing can be imported from it
+        return
     # Where kirisurf itself runs from the current folder (a clone that is not installed), that folder has to stay.
     if not sys.flags.safe_path and sys.path and sys.path[0] in ("", here) and os.path.abspath(here) != home:
         del sys.path[0]

@@ -49,8 +49,14 @@ def checked(
     wanted = "(" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
     try:
         array = np.asarray(values)
+        if array.dtype.kind not in "biufO":  # texts, dates and complex numbers would be converted in silence
+            raise UnusableError(f"{name}: expected numbers, got {array.dtype}")
+        if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+            raise UnusableError(f"{name}: expected numbers everywhere, got a masked array in which some are missing")
         if np.issubdtype(np.dtype(dtype), np.integer) and array.size and array.dtype.kind not in "iu":
             raise UnusableError(f"{name}: expected integers, got {array.dtype}")
+        if array.dtype.kind == "u" and array.size and array.max() > np.iinfo(np.int64).max:
+            raise UnusableError(f"{name}: expected numbers below 2**63, got {array.max()}")
         array = array.astype(dtype, order="C")
     except (TypeError, ValueError) as problem:
         if isinstance(problem, UnusableError):

@@ -81,7 +81,10 @@ class ClosestPoints:
             closest, normals, shape = self.surface.smooth.project(query)
         else:
             normals = np.einsum("nk,nki->ni", weights, self.surface.normals[corner])
-            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            length = np.linalg.norm(normals, axis=1, keepdims=True)
+            # Across the edge of a fold the normals of the vertices may cancel.
+            usable = length > 1e-9
+            normals = np.where(usable, normals / np.where(usable, length, 1.0), self.surface.face_normals[faces])
             shape = np.einsum("nk,nkij->nij", weights, self._shape[corner])
             tangent = np.eye(3) - normals[:, :, None] * normals[:, None, :]
             shape = tangent @ shape @ tangent

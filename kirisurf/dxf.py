@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from kirisurf.cuts import Cuts
+from kirisurf.dxf_library import load_dxf_library
 from kirisurf.units import checked_unit
 
 # $INSUNITS of every length unit (DXF reference, header variables).
@@ -42,6 +43,7 @@ def dxf_text(lines: Cuts, units: str | None = None) -> str:
     >>> dxf_text(cuts(pattern, 10 * pattern.contracted), "mm").count("LWPOLYLINE")
     16
     """
+    load_dxf_library()
     import ezdxf
 
     unit = "mm" if units is None else units

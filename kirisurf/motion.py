@@ -103,7 +103,8 @@ class Motion:
             low, high = np.where(below, way, low), np.where(below, high, way)
             step = (stretch - found) * 2 * found / np.where(slope > 0, slope, np.inf)
             way = np.where((way + step >= low) & (way + step <= high) & (slope > 0), way + step, 0.5 * (low + high))
-        return way
+        # at the end the stretch may not grow, and a rounding of it moves the place by its square root
+        return np.where(stretch < stretches[-1], way, ways[-1])
 
     def corners(
         self, cells: Int[np.ndarray, "t 3"], way: Float[np.ndarray, " t"], lattice: Float[np.ndarray, "2 2"]

@@ -79,9 +79,12 @@ def _file_hash(name: str) -> str | None:
         handle = os.open(name, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     except (OSError, ValueError):
         return None
+    found = os.fstat(handle)
+    # a file of no size is empty, or a door to the system of which no end is known
+    if not stat.S_ISREG(found.st_mode) or not found.st_size:
+        os.close(handle)
+        return hashlib.sha256(b"").hexdigest() if stat.S_ISREG(found.st_mode) else None
     with os.fdopen(handle, "rb") as file:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            return None
         try:
             return hashlib.file_digest(file, "sha256").hexdigest()
         except OSError:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, no_type_check
 
-from kirisurf.errors import ParameterError
+from kirisurf.errors import ParameterError, UnreadableError
 from kirisurf.naming import is_file_name
 from kirisurf.tessellation_names import tessellation_names
 from kirisurf.units import UNITS
@@ -93,6 +93,8 @@ class FitSpec:
     ------
     ParameterError
         Where a value is out of its range.
+    UnreadableError
+        Where the path of a file is no UTF-8.
 
     Examples
     --------
@@ -130,6 +132,8 @@ class FitSpec:
             raise ParameterError(f"target: expected a mesh file or the name of a sample surface, got {self.target!r}")
         if "\0" in self.target:
             raise ParameterError("target: expected a path without NUL characters, got one with")
+        for name in ("target", "tessellation", "contracted"):
+            _check_can_be_written(name, getattr(self, name))
         choices = {"closeness": CLOSENESS, "initial": INITIALS, "solver": SOLVERS, "prefer": PREFERENCES}
         for name, allowed in choices.items():
             _check_choice(name, getattr(self, name), allowed)
@@ -268,6 +272,18 @@ def parse_cells(text: str) -> tuple[int, int]:
     if not match:
         raise ParameterError(f"--cells: expected WxH such as 4x4, got {text!r}")
     return _checked_cells((int(match[1]), int(match[2])))
+
+
+def _check_can_be_written(name: str, value: Any) -> None:
+    """Refuse a path of bytes that are no UTF-8: neither TOML nor JSON could hold it, and no run could be repeated."""
+    if isinstance(value, str) and not value.isascii():
+        try:
+            value.encode("utf-8")
+        except UnicodeEncodeError:
+            raise UnreadableError(
+                f"{name}: expected a path in UTF-8, got {value!a}: rename the file, or its folder, or set PYTHONUTF8=1 "
+                "where the system's language makes Python take names for ASCII"
+            ) from None
 
 
 def _checked_cells(cells: Any) -> tuple[int, int]:

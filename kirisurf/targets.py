@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kirisurf import outlines
+from kirisurf.arrays import checked
 from kirisurf.errors import ParameterError, UnreadableError
+from kirisurf.gate import check_indices, check_size
 from kirisurf.naming import is_file_name
 from kirisurf.outlines import Outline, planar_surface, read_outline
 from kirisurf.outlines.reading import FORMATS
@@ -57,11 +59,11 @@ def load(target: Any, resolution: int | None = None) -> Surface:
     (121, 3)
     """
     if isinstance(target, Surface):
-        return target
+        return _within_range(target)
     if isinstance(target, (str, os.PathLike)):
         return load_with_notes(target_name(target), resolution)[0]
     if isinstance(target, (tuple, list)) and len(target) == 2:
-        return Surface.from_arrays(target[0], target[1], "arrays")
+        return _within_range(Surface.from_arrays(target[0], target[1], "arrays"))
     if hasattr(target, "points") and hasattr(target, "n_cells"):
         from kirisurf.formats import surface_from_polydata
 
@@ -70,6 +72,15 @@ def load(target: Any, resolution: int | None = None) -> Surface:
         "target: expected a file, the name of a sample surface, (vertices, faces), or a pyvista mesh, "
         f"got {type(target).__name__}"
     )
+
+
+def _within_range(surface: Surface) -> Surface:
+    """Return a surface of finite coordinates that can be computed with, its indices within range."""
+    checked(surface.vertices, f"vertices of {surface.name}", (None, 3))
+    check_indices(surface.faces, len(surface.vertices), surface.name)
+    if len(surface.vertices):
+        check_size(surface.vertices, surface.name)
+    return surface
 
 
 def target_name(target: str | os.PathLike[str]) -> str:
@@ -133,7 +144,7 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
     if not (spec.contracted == "free" or spec.contracted.startswith(RECTANGLE) or _is_file(spec.contracted)):
         # a name that means nothing is said before anything is read
         read_named_outline(spec.contracted)
-    spec = _with_absolute_files(spec, folder or Path.cwd())
+    spec = _with_absolute_files(spec, folder or Path())
     if is_sample(spec.target):
         import sample_surfaces
 
@@ -146,7 +157,7 @@ def resolved(spec: FitSpec, folder: Path | None = None, sized: bool = False) -> 
         return spec.changed(**values)
     if is_outline_name(spec.target):
         return spec if sized or spec.target in WINDING else spec.changed(cells=OUTLINE_CELLS)
-    path = os.path.abspath(os.path.join(folder or Path.cwd(), spec.target))
+    path = os.path.abspath(os.path.join(folder or Path(), spec.target))
     # A bare name that is no file may be a sample's name with a typo: it is kept for the message.
     return spec if not is_file_name(spec.target) and not os.path.exists(path) else spec.changed(target=path)
 

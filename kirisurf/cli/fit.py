@@ -22,6 +22,9 @@ from kirisurf.spec import (
 from kirisurf.tessellation_names import tessellation_names
 from kirisurf.units import UNITS
 
+SPEC_MB = 1
+"""Largest spec that is read, in megabytes."""
+
 _TEXT = f"""\
 TARGET is a mesh file (STL, OBJ, PLY, OFF, VTP, VTK, glTF), a planar outline (SVG, DXF, CSV), or the name of a
 sample surface or outline (`kirisurf samples` lists them; a file of the same name is written ./NAME). A mesh
@@ -215,6 +218,7 @@ def spec_of(arguments: argparse.Namespace) -> FitSpec:
         Where the spec file cannot be read.
     """
     from kirisurf.errors import UnreadableError
+    from kirisurf.formats.source import read_bytes
     from kirisurf.targets import resolved
 
     given = given_options(arguments)
@@ -227,8 +231,8 @@ def spec_of(arguments: argparse.Namespace) -> FitSpec:
         return resolved(spec, sized=bool({"cells", "tiles"} & set(given)))
     path = Path(arguments.spec)
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as problem:
+        text = read_bytes(path, SPEC_MB).decode("utf-8")
+    except UnicodeDecodeError as problem:
         raise UnreadableError(f"{path}: expected a spec (TOML), got: {problem}") from None
     values = parse_toml(text, str(path))
     for one, other in (("cells", "tiles"), ("tiles", "cells")):

@@ -32,8 +32,11 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
 
 
 def write_text(path: str | os.PathLike[str], content: str) -> None:
-    """Write `content` as UTF-8 with the line ends that it holds; see :func:`write_bytes`."""
-    write_bytes(path, content.encode("utf-8"))
+    """Write `content` as UTF-8 with the line ends that it holds; see :func:`write_bytes`.
+
+    What UTF-8 cannot hold, as names of files may, becomes its escape.
+    """
+    write_bytes(path, content.encode("utf-8", "backslashreplace"))
 
 
 @contextmanager

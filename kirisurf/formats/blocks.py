@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 
 from kirisurf.errors import OutputError
 from kirisurf.formats.pieces import pieces_folder, write_with_pieces
+from kirisurf.naming import printable
 
 
 def vtm_text(files: Mapping[str, str]) -> str:
@@ -110,12 +111,8 @@ def _file(number: int, name: str) -> str:
 
 def _beside(path: str | os.PathLike[str], file: str) -> str:
     folder = pieces_folder(path).name
-    try:
-        folder.encode("utf-8")
-    except UnicodeEncodeError:
-        raise OutputError(
-            f"{os.fsdecode(path)!r}: expected a name that can stand in a file (UTF-8), got another"
-        ) from None
+    if not printable(folder) == folder:
+        raise OutputError(f"{os.fsdecode(path)!r}: expected a name that can stand in an XML file, got another")
     return f"{folder}/{file}"
 
 

@@ -111,7 +111,10 @@ def _used(polygons: Polygons, name: str) -> tuple[np.ndarray, Loops, list[str]]:
 def unmerged_surface(vertices: Float[np.ndarray, "n 3"], loops: Loops, name: str) -> tuple[Surface, list[str]]:
     """Triangulate and clean without merging vertices: what :func:`surface_of` does once that is decided."""
     notes = []
-    faces, crossed = triangulated(vertices, _without_repeats(vertices, loops))
+    try:
+        faces, crossed = triangulated(vertices, _without_repeats(vertices, loops))
+    except UnusableError as problem:
+        raise UnusableError(f"{name}: {problem}") from None
     if crossed:
         notes.append(f"{counted(crossed, 'polygon', 'polygons')} with crossing sides or no area cut into a plain fan.")
     faces, flat = without_flat_faces(vertices, faces)

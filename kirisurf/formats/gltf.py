@@ -21,6 +21,7 @@ from kirisurf.formats.source import Source
 
 _COMPONENTS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
+_LARGEST = 1e60
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization", "EXT_texture_", "KHR_xmp")
 
 
@@ -44,7 +45,7 @@ class _File:
     def number(self, entry: dict, key: str, default: int | None = None) -> int:
         """Return a non-negative whole number."""
         value = entry.get(key, default)
-        if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**53:
             raise self.damaged(f"a whole number for {key}", value)
         return value
 
@@ -57,7 +58,17 @@ class _File:
 
     def damaged(self, expected: str, got: object) -> UnreadableError:
         """Return the one exception of this reader."""
-        return UnreadableError(f"{self.name}: expected {expected}, got {str(got)[:60]}: the glTF is damaged")
+        return UnreadableError(f"{self.name}: expected {expected}, got {_shown(got)}: the glTF is damaged")
+
+
+def _shown(value: object) -> str:
+    """Return a short, printable form of a value from a file."""
+    return str(value)[:60].encode("unicode_escape").decode("ascii")
+
+
+def _quiet() -> np.errstate:
+    """What overflows, or is a signaling NaN, is refused with all that is not finite, where a face has it."""
+    return np.errstate(over="ignore", divide="ignore", invalid="ignore")
 
 
 def read(source: Source) -> Polygons:
@@ -66,15 +77,16 @@ def read(source: Source) -> Polygons:
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as problem:
-        raise UnreadableError(f"{source.name}: expected glTF (JSON), got: {str(problem)[:80]}") from None
+        raise UnreadableError(f"{source.name}: expected glTF (JSON), got: {_shown(problem)}") from None
     if not isinstance(document, dict) or not isinstance(document.get("asset"), dict):
         raise UnreadableError(f"{source.name}: expected glTF with an asset entry, got other JSON")
-    if str(document["asset"].get("version", "")).split(".")[0] != "2":
-        raise UnreadableError(f"{source.name}: expected glTF 2, got version {document['asset'].get('version')}")
+    version = str(document["asset"].get("version", ""))
+    if version.split(".")[0] != "2":
+        raise UnreadableError(f"{source.name}: expected glTF 2, got version {_shown(version)}")
     file = _File(source.name, document, [])
     for extension in file.entries(document, "extensionsRequired"):
         if not str(extension).startswith(_HARMLESS):
-            raise UnreadableError(f"{source.name}: expected plain glTF, got one that requires {str(extension)[:60]}")
+            raise UnreadableError(f"{source.name}: expected plain glTF, got one that requires {_shown(extension)}")
     for number, entry in enumerate(file.entries(document, "buffers")):
         file.buffers.append(_buffer(file, entry, binary if number == 0 else None))
 
@@ -91,9 +103,10 @@ def read(source: Source) -> Polygons:
                 left_out += 1
                 continue
             points, corners = triangles
-            vertices.append(points @ matrix[:3, :3].T + matrix[:3, 3])
-            # A mirroring transformation turns the triangles inside out.
-            faces.append((corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else corners) + offset)
+            with _quiet():
+                vertices.append(points @ matrix[:3, :3].T + matrix[:3, 3])
+                is_mirrored = np.linalg.det(matrix[:3, :3]) < 0  # it turns the triangles inside out
+            faces.append((corners[:, ::-1] if is_mirrored else corners) + offset)
             offset += len(points)
     joined = np.concatenate(faces) if faces else np.zeros((0, 3), np.int64)
     points = np.concatenate(vertices) if vertices else np.zeros((0, 3))
@@ -139,7 +152,7 @@ def _buffer(file: _File, entry: object, binary: bytes | None) -> bytes:
             raise file.damaged("base64 data", uri) from None
     else:
         raise UnreadableError(
-            f"{file.name}: expected all data in the file, got a reference to {str(uri)[:60]!r}: "
+            f"{file.name}: expected all data in the file, got a reference to {_shown(uri)}: "
             "no other file is opened. Save it as .glb"
         )
     if len(content) < size:
@@ -165,7 +178,8 @@ def _nodes(file: _File) -> list[tuple[dict, np.ndarray]]:
         if index in seen:
             raise file.damaged("a tree of nodes", f"node {index} in two places")
         seen.add(index)
-        matrix = above @ _transformation(file, node)
+        with _quiet():
+            matrix = above @ _transformation(file, node)
         found.append((node, matrix))
         waiting += [(child, matrix) for child in reversed(file.entries(node, "children"))]
     return found
@@ -174,24 +188,24 @@ def _nodes(file: _File) -> list[tuple[dict, np.ndarray]]:
 def _transformation(file: _File, node: dict) -> np.ndarray:
     def numbers(key: str, default: list[float]) -> np.ndarray:
         value = node.get(key, default)
-        try:
-            array = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise file.damaged(f"numbers for {key}", value) from None
-        if array.shape != (len(default),) or not np.isfinite(array).all():
+        # bool is an int in Python, and NumPy would read numbers out of texts
+        if not isinstance(value, list) or not all(type(item) in (int, float) for item in value):
+            raise file.damaged(f"numbers for {key}", value)
+        if len(value) != len(default) or not all(abs(item) <= _LARGEST for item in value):
             raise file.damaged(f"{len(default)} finite numbers for {key}", value)
-        return array
+        return np.array(value, dtype=np.float64)
 
     if "matrix" in node:
         return numbers("matrix", list(np.eye(4).ravel())).reshape(4, 4).T
     x, y, z, w = numbers("rotation", [0.0, 0.0, 0.0, 1.0])
-    rotation = np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
     matrix = np.eye(4)
-    matrix[:3, :3] = rotation * numbers("scale", [1.0, 1.0, 1.0])
+    with _quiet():
+        rotation = np.array([
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ])  # fmt: skip
+        matrix[:3, :3] = rotation * numbers("scale", [1.0, 1.0, 1.0])
     matrix[:3, 3] = numbers("translation", [0.0, 0.0, 0.0])
     return matrix
 
@@ -203,7 +217,8 @@ def _triangles(file: _File, primitive: object) -> tuple[np.ndarray, np.ndarray] 
     mode = file.number(primitive, "mode", 4)
     if mode not in (4, 5, 6) or "POSITION" not in primitive["attributes"]:
         return None
-    points = _accessor(file, primitive["attributes"]["POSITION"], "VEC3").astype(np.float64)
+    with _quiet():
+        points = _accessor(file, primitive["attributes"]["POSITION"], "VEC3").astype(np.float64)
     if "indices" in primitive:
         indices = _accessor(file, primitive["indices"], "SCALAR")
         if indices.dtype.kind != "u":
@@ -229,11 +244,12 @@ def _triangles(file: _File, primitive: object) -> tuple[np.ndarray, np.ndarray] 
 def _accessor(file: _File, index: object, kind: str) -> np.ndarray:
     """Read an accessor (count, width) after checking it against its view and the view against its buffer."""
     accessor = file.item("accessors", index)
-    if accessor.get("type") != kind or accessor.get("componentType") not in _COMPONENTS:
-        raise file.damaged(f"an accessor of type {kind}", (accessor.get("type"), accessor.get("componentType")))
+    code = accessor.get("componentType")
+    if accessor.get("type") != kind or not isinstance(code, int) or code not in _COMPONENTS:
+        raise file.damaged(f"an accessor of type {kind}", (accessor.get("type"), code))
     if "sparse" in accessor or "bufferView" not in accessor:
         raise UnreadableError(f"{file.name}: expected plain accessors, got a sparse one: save it as STL, OBJ or PLY")
-    dtype = np.dtype("<" + _COMPONENTS[accessor["componentType"]])
+    dtype = np.dtype("<" + _COMPONENTS[code])
     width, count = _WIDTHS[kind], file.number(accessor, "count")
     view = file.item("bufferViews", accessor["bufferView"])
     which = file.number(view, "buffer")

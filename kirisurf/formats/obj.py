@@ -48,8 +48,6 @@ def read(source: Source) -> Polygons:
     notes = [f"{counted(others, 'line, point or curve', 'lines, points or curves')} left out."] if others else []
     if any(b"/" in token for token in tokens):
         tokens = [token.partition(b"/")[0] for token in tokens]
-    if any(b"_" in token for token in tokens):
-        raise UnreadableError(f"{name}: expected whole numbers in faces, got an underscore")
     given = integers(tokens, name, "faces")
     owner = np.repeat(np.array(before, dtype=np.int64), sizes)
     # OBJ counts from 1; negative numbers count backwards from the last vertex so far.
@@ -66,6 +64,4 @@ def _coordinates(rows: list[list[bytes]], name: str) -> np.ndarray:
     if any(len(row) == 2 for row in rows):
         rows = [row if len(row) == 3 else [*row, b"0"] for row in rows]
     tokens = [token for row in rows for token in row]
-    if any(b"_" in token for token in tokens):
-        raise UnreadableError(f"{name}: expected numbers for coordinates, got an underscore")
     return floats(tokens, name, "coordinates").reshape(-1, 3)

@@ -66,6 +66,8 @@ def _binary(body: bytes, order: str, extra: int, name: str) -> Polygons | None:
     if n < 0 or m < 0 or start + 4 * m > len(body) or (len(body) - start) % 4:
         return None
     vertices = np.frombuffer(body, np.dtype((np.uint8, stride)), n, 12)[:, :12].copy().view(order + "f4")
+    with np.errstate(invalid="ignore"):  # a signaling NaN stays one, and is refused with the others
+        points = vertices.astype(np.float64)
     words = np.frombuffer(body, order + "i4", offset=start).tolist()
     for colored in (True, False):  # the format ends each face with a color count; some writers leave it out
         sizes, indices, at = [], [], 0
@@ -75,7 +77,7 @@ def _binary(body: bytes, order: str, extra: int, name: str) -> Polygons | None:
             trailing = 0
             if colored:
                 trailing = 1 + words[after] if 0 <= after < len(words) and 0 <= words[after] <= 4 else -1
-            if size < 0 or after > len(words) or trailing < 0:
+            if size < 1 or after > len(words) or trailing < 0:
                 break
             sizes.append(size)
             indices += words[at + 1 : after]
@@ -83,5 +85,5 @@ def _binary(body: bytes, order: str, extra: int, name: str) -> Polygons | None:
         if len(sizes) == m and at == len(words):
             found = np.array(indices, dtype=np.int64)
             if not found.size or (found.min() >= 0 and found.max() < n):
-                return polygons(vertices.astype(np.float64), np.array(sizes), found, name)
+                return polygons(points, np.array(sizes), found, name)
     return None

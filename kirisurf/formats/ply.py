@@ -69,7 +69,8 @@ def read(source: Source) -> Polygons:
     vertex, face = columns.get(b"vertex", {}), columns.get(b"face", {})
     if not all(axis in vertex and vertex[axis].sizes is None for axis in (b"x", b"y", b"z")):
         raise UnreadableError(f"{name}: expected vertices with x, y and z, got none")
-    points = np.stack([vertex[axis].values.astype(np.float64) for axis in (b"x", b"y", b"z")], axis=1)
+    with np.errstate(invalid="ignore"):  # a signaling NaN stays one, and is refused with the others
+        points = np.stack([vertex[axis].values.astype(np.float64) for axis in (b"x", b"y", b"z")], axis=1)
     lists = [face[key] for key in _FACE_LISTS if key in face and face[key].sizes is not None]
     if not lists:
         if b"tristrips" in columns:
@@ -107,7 +108,17 @@ def _header(source: Source) -> tuple[str, list[_Element], int]:
             raise UnreadableError(f"{name}: expected a PLY header line, got {shown(line)}")
     if order is None:
         raise UnreadableError(f"{name}: expected a format line in the PLY header, got none")
+    _check_names([element.name for element in elements], "elements", name)
+    for element in elements:
+        _check_names([found.name for found in element.properties], f"properties of {shown(element.name)}", name)
     return order, elements, start
+
+
+def _check_names(names: list[bytes], what: str, name: str) -> None:
+    """Of two with one name, either might be meant."""
+    if len(set(names)) < len(names):
+        twice = next(found for found in names if names.count(found) > 1)
+        raise UnreadableError(f"{name}: expected {what} of different names, got two called {shown(twice)}")
 
 
 def _property(words: list[bytes]) -> _Property | None:
@@ -142,7 +153,7 @@ def _ascii(body: bytes, elements: list[_Element], name: str) -> dict[bytes, dict
                     size = 1
                     if p.count_kind:
                         try:
-                            size = int(tokens[at])
+                            size = int(tokens[at].replace(b"_", b"?"))
                         except (ValueError, IndexError):
                             raise _cut(name, element) from None
                         sizes[p.name].append(size)

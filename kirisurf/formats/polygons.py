@@ -63,6 +63,7 @@ def floats(tokens: Sequence[bytes], name: str, what: str) -> np.ndarray:
     UnreadableError
         Where a token is not a number, with a hint at decimal commas.
     """
+    _refuse_underscores(tokens, name, f"numbers for {what}")
     try:
         return np.array(list(map(float, tokens)), dtype=np.float64)
     except ValueError:
@@ -73,10 +74,18 @@ def floats(tokens: Sequence[bytes], name: str, what: str) -> np.ndarray:
 
 def integers(tokens: Sequence[bytes], name: str, what: str) -> np.ndarray:
     """Convert text tokens to integers; (s,) int64. Raises UnreadableError as :func:`floats` does."""
+    _refuse_underscores(tokens, name, f"whole numbers for {what}")
     try:
         return np.array(list(map(int, tokens)), dtype=np.int64)
     except (ValueError, OverflowError):
         raise UnreadableError(f"{name}: expected whole numbers for {what}, got {_first_bad(tokens, int)}") from None
+
+
+def _refuse_underscores(tokens: Sequence[bytes], name: str, expected: str) -> None:
+    """Python reads 1_000 as a thousand; in a file it is a slip, and no other program would read it so."""
+    if b"_" in b" ".join(tokens):
+        wrong = next(token for token in tokens if b"_" in token)
+        raise UnreadableError(f"{name}: expected {expected}, got {shown(wrong)}")
 
 
 def _first_bad(tokens: Sequence[bytes], kind: type) -> str:

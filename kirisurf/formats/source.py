@@ -14,6 +14,7 @@ from pathlib import Path
 
 from kirisurf.errors import UnreadableError, UnusableError
 from kirisurf.formats.polygons import shown
+from kirisurf.naming import printable
 
 FORMATS = {
     ".stl": "stl",
@@ -57,8 +58,8 @@ class Source:
 
     @property
     def name(self) -> str:
-        """File name, for messages."""
-        return self.path.name
+        """File name, for messages and for the surface."""
+        return printable(self.path.name)
 
 
 def load(path: str | os.PathLike[str], limit_mb: int | float = LIMIT_MB) -> Source:
@@ -124,9 +125,9 @@ def read_bytes(path: Path, limit_mb: int | float) -> bytes:
         raise UnreadableError(f"{path}: expected a file, got {kind}")
     with os.fdopen(handle, "rb") as file:
         if found.st_size > limit_mb * 1e6:
-            raise UnreadableError(
-                f"{path}: expected at most {limit_mb:g} MB, got {found.st_size / 1e6:.0f} MB: decimate it first"
-            )
+            raise UnreadableError(f"{path}: expected at most {limit_mb:g} MB, got {found.st_size / 1e6:.4g} MB")
+        if not found.st_size:  # empty, or a door to the system of which no end is known
+            return b""
         try:
             return file.read(int(limit_mb * 1e6) + 1)
         except OSError as problem:

@@ -42,7 +42,9 @@ def read(source: Source) -> Polygons:
 
 
 def _binary(content: bytes) -> np.ndarray:
-    return np.frombuffer(content, _FACET, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
+    corners = np.frombuffer(content, _FACET, offset=84)["corners"].reshape(-1, 3)
+    with np.errstate(invalid="ignore"):  # a signaling NaN stays one, and is refused with the others
+        return corners.astype(np.float64)
 
 
 def _ascii(source: Source) -> np.ndarray:

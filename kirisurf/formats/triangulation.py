@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float, Int
 
+from kirisurf.errors import UnusableError
 from kirisurf.loops import Loops
 
 _ROUNDING = 1e-10
 """Share of a polygon's area below which a triangle counts as none: straight corners stay straight when moved."""
 
-_MOST_CORNERS = 3000
-"""Concave polygons with more corners are left to the fan: cutting ears takes the square of the corners."""
+_MOST_WORK = 3e7
+"""Squared corners, summed over the polygons that ears are cut from, which their time follows: some seconds."""
 
 
 def triangulated(vertices: Float[np.ndarray, "n 3"], loops: Loops) -> tuple[Int[np.ndarray, "f 3"], int]:
@@ -33,18 +34,30 @@ def triangulated(vertices: Float[np.ndarray, "n 3"], loops: Loops) -> tuple[Int[
         In the order of the polygons.
     n_crossed : int
         Number of polygons that no triangulation fits (their sides cross); they became fans.
+
+    Raises
+    ------
+    UnusableError
+        Where concave polygons have so many corners that cutting them would take long.
     """
     pieces: list[np.ndarray] = []
     owners: list[np.ndarray] = []
-    crossed = 0
+    crossed, work = 0, 0.0
     for size, (which, corners) in loops.by_size().items():
         if size < 3:
             continue
         apex = np.broadcast_to(corners[:, :1], (len(corners), size - 2))
         fan = np.stack([apex, corners[:, 1:-1], corners[:, 2:]], axis=2)
         if size > 3:
-            for row in np.flatnonzero(~_fan_fits(vertices, corners, fan)):
-                ears = cut_ears(vertices[corners[row]]) if size <= _MOST_CORNERS else None
+            concave = np.flatnonzero(~_fan_fits(vertices, corners, fan))
+            work += float(size) ** 2 * len(concave)
+            if work > _MOST_WORK:
+                raise UnusableError(
+                    f"expected triangles, or polygons of some hundred corners, got {len(concave)} that are "
+                    f"concave and have {size} corners: export the surface as triangles"
+                )
+            for row in concave:
+                ears = cut_ears(vertices[corners[row]])
                 if ears is None:
                     crossed += 1
                 else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from kirisurf.errors import UnusableError
 from kirisurf.outlines.curve import Curve, joined
 from kirisurf.outlines.shapes import straight
 
@@ -19,6 +20,9 @@ _SAME = 1e-8
 
 _TOLD = 1e-9
 """Part of the diagonal from which on a gap is told of, and below which a piece has no length."""
+
+_MOST_PAIRS = 10_000_000
+"""Pairs of ends in one place, each counted twice, from which on a drawing is refused."""
 
 _SHORT_GAP = 0.02
 """Part of a curve's own diagonal up to which a gap between its ends is closed by a straight segment."""
@@ -36,13 +40,13 @@ def closed_curves(curves: tuple[Curve, ...]) -> tuple[list[Curve], list[Curve], 
     notes : list of str
     """
     notes: list[str] = []
-    size = _diagonal(joined(curves).samples.points) if curves else 0.0
+    size = _diagonal(np.concatenate([_nine_of_each_piece(curve) for curve in curves])) if curves else 0.0
     kept = [piece for curve in curves if (piece := _without_specks(curve, _TOLD * size)) is not None]
     closed: list[tuple[int, Curve]] = []
     loose: list[tuple[int, Curve]] = []
     for k, curve in enumerate(kept):
         gap = float(np.linalg.norm(curve.end - curve.start))
-        is_closed = gap <= _MEETING * size and gap <= _MEETING * _diagonal(curve.samples.points)
+        is_closed = gap <= _MEETING * size and _is_as_large(curve, gap / _MEETING)
         (closed if is_closed else loose).append((k, curve))
     unique = _without_copies(loose, _SAME * size)
     if len(unique) < len(loose):
@@ -74,6 +78,33 @@ def closed_curves(curves: tuple[Curve, ...]) -> tuple[list[Curve], list[Curve], 
     return welded, remaining, notes
 
 
+def _nine_of_each_piece(curve: Curve) -> np.ndarray:
+    # Enough for the size of a drawing: full samples of every curve in it would take much memory.
+    every = np.arange(curve.n_pieces)
+    return curve.evaluated(np.repeat(every, 9), np.tile(np.linspace(0.0, 1.0, 9), len(every)))[0]
+
+
+def _is_as_large(curve: Curve, size: float) -> bool:
+    # Where the pieces begin says it of almost every curve, and costs less than samples of it.
+    every = np.arange(curve.n_pieces)
+    if _diagonal(curve.evaluated(every, np.zeros(len(every)))[0]) >= size:
+        return True
+    return _diagonal(curve.samples.points) >= size
+
+
+def _close_pairs(points: np.ndarray, reach: float) -> np.ndarray:
+    # All pairs of points within a distance; where very many lie in one place, their pairs would fill the memory.
+    tree = cKDTree(points)
+    reach = max(reach, 1e-300)
+    count = int(tree.query_ball_point(points, reach, return_length=True).sum())
+    if count > _MOST_PAIRS:
+        raise UnusableError(
+            f"expected a drawing of which few ends meet in one place, got {count} pairs of ends that do: save nothing "
+            "but the outline"
+        )
+    return tree.query_pairs(reach, output_type="ndarray")
+
+
 def _diagonal(points: np.ndarray) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
@@ -99,8 +130,7 @@ def _without_copies(curves: list[tuple[int, Curve]], tolerance: float) -> list[t
         ends = sorted([curve.start.tolist(), curve.end.tolist()])
         middle = curve.points(np.array([0.5 * curve.n_pieces]))[0]
         keys.append([*ends[0], *ends[1], *middle.tolist()])
-    tree = cKDTree(np.array(keys))
-    copies = {int(max(pair)) for pair in tree.query_pairs(max(tolerance, 1e-300))}
+    copies = set(_close_pairs(np.array(keys), tolerance).max(axis=1, initial=-1).tolist())
     return [entry for k, entry in enumerate(curves) if k not in copies]
 
 
@@ -116,7 +146,7 @@ def _chained(curves: list[tuple[int, Curve]], size: float) -> tuple[list[tuple[i
         free = np.flatnonzero(partner < 0)
         if not len(free):
             break
-        pairs = free[cKDTree(ends[free]).query_pairs(max(reach * size, 1e-300), output_type="ndarray")]
+        pairs = free[_close_pairs(ends[free], reach * size)]
         degree = np.bincount(pairs.ravel(), minlength=len(ends))
         crowded = np.flatnonzero(degree > 1)
         for a, b in pairs[(degree[pairs] == 1).all(axis=1)]:

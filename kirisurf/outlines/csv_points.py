@@ -8,7 +8,7 @@ import numpy as np
 
 from kirisurf.errors import UnreadableError, UnusableError
 from kirisurf.gate import check_size
-from kirisurf.outlines.drawing import MOST_PIECES, check_numbers
+from kirisurf.outlines.drawing import MOST_PIECES, check_numbers, plain_float
 from kirisurf.outlines.outline import Outline
 from kirisurf.outlines.sampled import sides_through
 
@@ -42,7 +42,8 @@ def read(content: bytes, name: str) -> tuple[Outline, list[str]]:
     if not lines:
         raise UnusableError(f"{name}: expected points x, y, got comments alone")
     rows = _fields(lines)
-    header = [] if _is_number(rows[0][0]) else [field.strip("\"' ").lower() for field in rows[0]]
+    # A line of which a part is a number is a damaged point, and no header.
+    header = [] if any(_is_number(field) for field in rows[0]) else [field.strip("\"' ").lower() for field in rows[0]]
     if header:
         rows, lines = rows[1:], lines[1:]
     columns = (header.index("x"), header.index("y")) if {"x", "y"} <= set(header) else (0, 1)
@@ -85,10 +86,10 @@ def _fields(lines: list[tuple[int, str]]) -> list[list[str]]:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        plain_float(text)
     except ValueError:
         return False
-    return "_" not in text
+    return True
 
 
 def _points(rows: list[list[str]], numbers: list[int], columns: tuple[int, int], name: str) -> np.ndarray:

@@ -23,6 +23,9 @@ from kirisurf.arrays import frozen
 _TURN = 0.1
 """Radians that a curve turns, at most, between two of its samples."""
 
+_AT_ONCE = 20_000
+"""Intervals that are measured together, which bounds the memory."""
+
 _PARTS = 64
 """Parts of its length between two samples, at least: places are then looked for near where they are."""
 
@@ -252,6 +255,9 @@ def _samples(curve: Curve) -> Samples:
 
 
 def _lengths(curve: Curve, pieces: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    if len(pieces) > _AT_ONCE:
+        parts = [slice(k, k + _AT_ONCE) for k in range(0, len(pieces), _AT_ONCE)]
+        return np.concatenate([_lengths(curve, pieces[part], low[part], high[part]) for part in parts])
     s = low[:, None] + 0.5 * (high - low)[:, None] * (_NODES + 1.0)
     speed = np.linalg.norm(curve.evaluated(np.repeat(pieces, len(_NODES)), s.ravel())[1], axis=1)
     return 0.5 * (high - low) * (speed.reshape(s.shape) @ _WEIGHTS)

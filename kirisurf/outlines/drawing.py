@@ -40,6 +40,19 @@ class Drawing:
     notes: tuple[str, ...] = ()
 
 
+def plain_float(text: str) -> float:
+    """Return a number as files have them; of what Python reads beyond that, 1_000 and digits of other scripts, none.
+
+    Raises
+    ------
+    ValueError
+        Where the text is no number.
+    """
+    if "_" in text or not text.isascii():
+        raise ValueError(text)
+    return float(text)
+
+
 def checked_number(text: str, name: str, what: str) -> float:
     """Return a finite number of a sensible size.
 
@@ -51,7 +64,7 @@ def checked_number(text: str, name: str, what: str) -> float:
         Where it is not finite, or beyond `LARGEST_NUMBER`.
     """
     try:
-        value = float(text)
+        value = plain_float(text)
     except ValueError:
         raise UnreadableError(f"{name}: expected a number for {what}, got {text[:40]!r}") from None
     check_numbers([value], name, what)
@@ -67,11 +80,11 @@ def check_numbers(values: Sequence[float] | np.ndarray, name: str, what: str) ->
         raise UnusableError(f"{name}: expected {kind} for {what}, got {wrong:g}")
 
 
-def check_count(count: int, name: str) -> None:
+def check_count(count: int, name: str, what: str = "points, lines and curves") -> None:
     """Raise UnusableError where a drawing holds more than `MOST_PIECES` pieces."""
     if count > MOST_PIECES:
         raise UnusableError(
-            f"{name}: expected at most {MOST_PIECES} points, lines and curves, got {count} or more: "
+            f"{name}: expected at most {MOST_PIECES} {what}, got {count} or more: "
             "simplify the outline, or save nothing but the outline"
         )
 

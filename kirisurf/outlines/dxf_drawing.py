@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 import struct
 from collections import Counter
 from collections.abc import Iterator
@@ -12,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from kirisurf.dxf_library import load_dxf_library
 from kirisurf.errors import KirisurfError, UnreadableError
+from kirisurf.naming import printable
 from kirisurf.outlines.curve import Curve, joined
 from kirisurf.outlines.drawing import Drawing, check_count, check_numbers, counted
 from kirisurf.outlines.shapes import arc, bezier, straight
@@ -27,12 +30,26 @@ _FLAT = 1e-9
 _CUBICS = 32
 """Cubics for one span of a spline that is none itself: on a quarter circle they are 2e-8 of its radius off."""
 
+_GUESSED = re.compile(r"value \"b?'?(.*?)'?\" near line", re.DOTALL)
+"""What ezdxf could not read, in its own words."""
+
+_NUMBER_CODES = tuple(
+    range(first, last + 1)
+    for first, last in ((10, 99), (110, 299), (370, 389), (400, 409), (420, 429), (440, 469), (1010, 1071))
+)
+"""Groups whose value is a number (DXF reference, group code value types)."""
+
+_WHOLE = re.compile(r"\s*[-+]?\d+(\.0*)?\s*", re.ASCII)
+_UNDERSCORE = re.compile(rb"^[ \t]*(\d{1,4})[ \t]*\r?\n([^\r\n]*_[^\r\n]*)", re.MULTILINE)
+_TWO_NUMBERS = re.compile(rb"[-+\d.eE]+(_[-+\d.eE]+)+")
+
 _DAMAGED = (
     ValueError,
     TypeError,
     KeyError,
     IndexError,
     AttributeError,
+    AssertionError,
     ArithmeticError,
     LookupError,
     RecursionError,
@@ -50,6 +67,7 @@ def read(content: bytes, name: str) -> Drawing:
     UnusableError
         Where numbers are not finite or too large, or there are too many pieces.
     """
+    load_dxf_library()
     import ezdxf
     from ezdxf import recover
 
@@ -63,27 +81,27 @@ def read(content: bytes, name: str) -> Drawing:
         said = str(problem)[:100].encode("unicode_escape").decode("ascii")
         raise UnreadableError(f"{name}: expected DXF, got damaged content: {said}") from None
     notes: list[str] = []
-    if auditor.has_errors:
-        notes.append(
-            f"{len(auditor.errors)} faults of the file could not be repaired; see whether the outline is whole."
-        )
+    if faults := len(auditor.errors) - _harmless_faults(content, auditor, name):
+        what = "1 fault of the file was" if faults == 1 else f"{faults} faults of the file were"
+        notes.append(f"{what} not repaired; see whether the outline is whole.")
     curves: list[Curve] = []
     left_out: Counter[str] = Counter()
     count = 0
     for entity in document.modelspace():
-        kind = entity.dxftype()
-        if _is_hidden(document, entity):
-            left_out[f"{kind} on a layer that is off or frozen"] += 1
-            continue
-        if kind not in _READERS:
-            left_out[kind] += 1
-            continue
+        kind = printable(str(entity.dxftype()))[:40]
         try:
+            if _is_hidden(document, entity):
+                left_out[f"{kind} on a layer that is off or frozen"] += 1
+                continue
+            if kind not in _READERS:
+                left_out[kind] += 1
+                continue
             found = _READERS[kind](entity, name)
         except KirisurfError:
             raise
         except (ezdxf.DXFError, *_DAMAGED) as problem:
-            raise UnreadableError(f"{name}: expected a sound {kind}, got a damaged one: {str(problem)[:100]}") from None
+            said = printable(str(problem))[:100]
+            raise UnreadableError(f"{name}: expected a sound {kind}, got a damaged one: {said}") from None
         if found is None:
             left_out[f"{kind} that is not flat"] += 1
             continue
@@ -96,6 +114,30 @@ def read(content: bytes, name: str) -> Drawing:
     if factor != 1.0:
         curves = [curve.transformed(factor * np.eye(2), np.zeros(2)) for curve in curves]
     return Drawing(name, tuple(curves), unit, tuple(notes))
+
+
+def _harmless_faults(content: bytes, auditor: Any, name: str) -> int:
+    """Count the whole numbers that are written with a decimal point, as some programs do.
+
+    Raises
+    ------
+    UnreadableError
+        Where ezdxf took a part of a number, as 1 of 1d3, or one that only Python reads, as 1_000.
+    """
+    from ezdxf.audit import AuditError
+
+    harmless = 0
+    for entry in auditor.errors:
+        guessed = _GUESSED.search(entry.message)
+        if entry.code == AuditError.INVALID_INTEGER_VALUE and guessed and _WHOLE.fullmatch(guessed[1]):
+            harmless += 1
+        elif entry.code in (AuditError.INVALID_INTEGER_VALUE, AuditError.INVALID_FLOATING_POINT_VALUE):
+            said = guessed[1] if guessed else entry.message
+            raise UnreadableError(f"{name}: expected numbers, got {said[:40]!r}: the DXF is damaged")
+    for code, value in _UNDERSCORE.findall(content):
+        if any(int(code) in codes for codes in _NUMBER_CODES) and _TWO_NUMBERS.fullmatch(value.strip()):
+            raise UnreadableError(f"{name}: expected numbers, got {value.strip()[:40].decode('ascii')!r}")
+    return harmless
 
 
 def _is_hidden(document: Any, entity: Any) -> bool:

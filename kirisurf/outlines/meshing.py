@@ -20,6 +20,9 @@ DEFAULT_PARTS = 80
 
 _MOST_VERTICES = 2_000_000
 _SMOOTHING_STEPS = 8
+_MOST_HALVES = 100_000
+"""Vertices of the rim from which on an outline counts as too narrow for its size."""
+
 _ROUNDS = 40
 """Rounds of halving edges of the rim; each halves only those that Delaunay's triangles cut."""
 
@@ -79,7 +82,7 @@ def _rim_parameters(outline: Outline, edge: float) -> Float[np.ndarray, " b"]:
     for offset, side in zip(outline.offsets[:-1], outline.sides, strict=True):
         least = 6 if outline.is_smooth else 2
         u = side.evenly(max(least, math.ceil(side.length / edge)))
-        while len(u) < 1e6:
+        while len(u) < _MOST_HALVES:
             pieces, s = side.located(u)
             s = np.where(pieces + s >= side.n_pieces, 1.0, s)
             tangents = side.tangents(pieces, s)
@@ -128,6 +131,7 @@ def _conforming(
 ) -> tuple[Float[np.ndarray, "v 2"], Int[np.ndarray, "f 3"], int]:
     # Edges of the rim that no triangle has are halved on the curve until all are there.
     last = float(outline.curve.n_pieces)
+    most = max(_MOST_HALVES, 20 * len(parameters))
     for _ in range(_ROUNDS):
         rim = outline.curve.points(parameters)
         n = len(rim)
@@ -145,7 +149,7 @@ def _conforming(
         ends = np.append(parameters[1:], last + parameters[0])
         halves = 0.5 * (parameters + ends)[missing]
         parameters = np.sort(np.concatenate([parameters, np.where(halves >= last, halves - last, halves)]))
-        if len(parameters) > _MOST_VERTICES:
+        if len(parameters) > most:
             break
     raise UnusableError(
         f"{outline.name}: expected an outline that triangles fill, got one that is too narrow somewhere: "

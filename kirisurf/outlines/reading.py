@@ -11,6 +11,7 @@ import numpy as np
 from kirisurf.errors import UnreadableError, UnusableError
 from kirisurf.formats.source import read_bytes
 from kirisurf.gate import check_size
+from kirisurf.naming import printable
 from kirisurf.outlines import csv_points, dxf_drawing, svg_drawing
 from kirisurf.outlines.closing import closed_curves
 from kirisurf.outlines.curve import Curve
@@ -61,24 +62,39 @@ def read_outline(
     if units is not None:
         checked_unit(units)
     path = Path(path)
-    suffix = path.suffix.lower()
+    suffix, name = path.suffix.lower(), printable(path.name)
     if suffix not in FORMATS:
         raise UnreadableError(f"{path}: expected an outline as {', '.join(FORMATS)}, got {suffix or 'no suffix'}")
     content = read_bytes(path, limit_mb)
     if not content.strip():
-        raise UnusableError(f"{path.name}: expected an outline, got an empty file")
+        raise UnusableError(f"{name}: expected an outline, got an empty file")
     if content.startswith(b"\x1f\x8b"):
-        raise UnreadableError(f"{path.name}: expected {suffix[1:].upper()}, got a gzip archive: unpack it first")
+        raise UnreadableError(f"{name}: expected {suffix[1:].upper()}, got a gzip archive: unpack it first")
     try:
-        if suffix == ".csv":
-            outline, notes = csv_points.read(content, path.name)
-            own = None
-        else:
-            drawing = _READERS[suffix](content, path.name)
-            outline, notes = _largest(drawing, suffix == ".dxf")
-            own = drawing.units
+        # What is finite may still be too far apart in size to be computed with: that ends here, not in a NaN.
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            return _read(content, name, suffix, units)
     except MemoryError:
-        raise UnreadableError(f"{path.name}: expected an outline that fits into memory, got a larger one") from None
+        raise UnreadableError(f"{name}: expected an outline that fits into memory, got a larger one") from None
+    except FloatingPointError as problem:
+        raise UnusableError(
+            f"{name}: expected an outline whose parts are of comparable size, got numbers that cannot be "
+            f"computed with ({problem})"
+        ) from None
+    except UnusableError as problem:
+        if str(problem).startswith(name):
+            raise
+        raise UnusableError(f"{name}: {problem}") from None
+
+
+def _read(content: bytes, name: str, suffix: str, units: str | None) -> tuple[Outline, tuple[str, ...]]:
+    if suffix == ".csv":
+        outline, notes = csv_points.read(content, name)
+        own = None
+    else:
+        drawing = _READERS[suffix](content, name)
+        outline, notes = _largest(drawing, suffix == ".dxf")
+        own = drawing.units
     return _in_units(outline, own, units, notes)
 
 
@@ -121,7 +137,7 @@ def _outline(curve: Curve, name: str) -> tuple[Outline, bool, str]:
 
 
 def _others(outline: Outline, others: list[Curve]) -> str:
-    inside = sum(bool((outline.project(curve.start[None]).distances < 0).all()) for curve in others)
+    inside = int((outline.project(np.array([curve.start for curve in others])).distances < 0).sum())
     sentence = f"The largest of {len(others) + 1} closed curves is the outline."
     if inside:
         sentence += (

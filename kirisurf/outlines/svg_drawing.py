@@ -83,6 +83,7 @@ class _Walk:
         self._name = name
         self._levels: list[_Level] = []
         self._count = 0
+        self._moves = 0
 
     def begin(self, tag: str, attributes: dict[str, str]) -> None:
         tag = tag.rpartition(":")[2]
@@ -98,6 +99,8 @@ class _Walk:
         matrix = above.matrix
         if is_drawn:
             if "transform" in attributes:
+                self._moves += attributes["transform"].count("(")
+                check_count(self._moves, self._name, "transforms")
                 matrix = matrix @ transform(attributes["transform"], self._name)
             if tag == "svg":
                 matrix = matrix @ self._inner_page(attributes)

@@ -14,8 +14,12 @@ from kirisurf.outlines.curve import Curve, joined
 from kirisurf.outlines.drawing import MOST_PIECES, check_count, check_numbers, checked_number
 from kirisurf.outlines.shapes import arc, bezier, straight
 
-_TOKENS = re.compile(r"[MmZzLlHhVvCcSsQqTtAa]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[\s,]+")
+_TOKENS = re.compile(r"[MmZzLlHhVvCcSsQqTtAa]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[\s,]+", re.ASCII)
+_SEPARATE = re.compile(r"\d[\s,a-zA-Z-]")
 _COMMANDS = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
+_MOST_NUMBERS = 7
+"""Numbers that a piece has at most (an arc)."""
+
 _LONGEST = 100 * MOST_PIECES
 """Characters of one path that are looked at: no sensible piece takes more than a hundred."""
 
@@ -190,6 +194,7 @@ def _plain(text: str, name: str) -> str:
         position = token.end()
     if position != len(text):
         raise UnreadableError(f"{name}: expected SVG path data, got {text[position : position + 20]!r} in it")
+    check_count(len(_SEPARATE.findall(text)) // _MOST_NUMBERS, name)
     words = _COMMANDS.split(re.sub(r"[\s,]+", " ", text))
     plain = [words[0]]
     for command, numbers in zip(words[1::2], words[2::2], strict=True):

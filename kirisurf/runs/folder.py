@@ -23,7 +23,7 @@ try:
 except ImportError:  # Windows has no advisory locks of this kind; there a second writer is not noticed
     fcntl = None
 
-RESULT = "result.json"
+RESULT, SPEC = "result.json", "run.toml"
 _STAGING, _PREVIOUS = ".kirisurf-partial-", ".kirisurf-previous-"
 
 
@@ -48,6 +48,8 @@ class RunFolder:
     path : path
     overwrite : bool
         Replace an old run once the new one is complete. Other files in the folder stay.
+    record : str
+        Name of the file that is written last and lists all others.
 
     Raises
     ------
@@ -57,9 +59,13 @@ class RunFolder:
         Where it cannot be made or written, or is locked by another process.
     """
 
-    def __init__(self, path: str | os.PathLike[str], overwrite: bool = False) -> None:
-        self.path = Path(os.path.abspath(path))
+    def __init__(self, path: str | os.PathLike[str], overwrite: bool = False, record: str = RESULT) -> None:
+        try:
+            self.path = Path(os.path.abspath(path))
+        except OSError:
+            raise OutputError(f"{path}: expected a folder, got a current one that is gone: change to another") from None
         self.overwrite = overwrite
+        self.record = record
         self.committed = False
         self._staging: Path | None = None
         self._made: list[Path] = []
@@ -95,23 +101,24 @@ class RunFolder:
         Raises
         ------
         OutputError
-            Where a file cannot be moved, or the staged files hold no `result.json`.
+            Where a file cannot be moved, or the record is not among the staged files.
         """
         names = sorted(entry.name for entry in self.staging.iterdir())
-        if RESULT not in names:
-            raise OutputError(f"{self.path}: expected a {RESULT} among the files of the run, got {', '.join(names)}")
-        old = sorted(set(_listed_files(self.path)) | ({*names} & {entry.name for entry in self.path.iterdir()}))
-        names.remove(RESULT)
+        if self.record not in names:
+            raise OutputError(f"{self.path}: expected a {self.record} among the files, got {', '.join(names)}")
+        here = {entry.name for entry in self.path.iterdir()}
+        old = sorted(set(_listed_files(self.path, self.record)) | ({*names} & here))
+        names.remove(self.record)
         with _as_output_error(self.path):
-            for name in [*names, RESULT]:
+            for name in [*names, self.record]:
                 _sync(self.staging / name)
             previous = Path(tempfile.mkdtemp(prefix=_PREVIOUS, dir=self.path))
             moved: list[tuple[Path, Path]] = []
             try:
-                # Backward through old: result.json leaves first, so a half-replaced folder never passes for a run.
-                for name in sorted(old, key=lambda name: name != RESULT):
+                # Backward through old: the record leaves first, so a half-replaced folder never passes for a run.
+                for name in sorted(old, key=lambda name: name != self.record):
                     moved.append(_move(self.path / name, previous / name))
-                for name in [*names, RESULT]:
+                for name in [*names, self.record]:
                     moved.append(_move(self.staging / name, self.path / name))
                 _sync(self.path)
             except BaseException:
@@ -129,14 +136,20 @@ class RunFolder:
         if not found:
             return
         if not self.overwrite:
-            what = "a run" if RESULT in found else f"a folder with other files ({', '.join(found[:3])}, ...)"
+            what = "a run" if self.record in found else f"a folder with other files ({', '.join(found[:3])}, ...)"
             hint = " (--overwrite replaces the run)" if RESULT in found else ""
             raise ParameterError(f"{self.path}: expected a new or empty folder, got {what}{hint}")
-        if not _is_run(self.path):
+        if not self._is_old():
             raise ParameterError(
                 f"{self.path}: expected a run folder to overwrite, got a folder with other files "
                 f"({', '.join(found[:3])}{', ...' if len(found) > 3 else ''})"
             )
+
+    def _is_old(self) -> bool:
+        """Whether the folder holds what this writes, and is not somebody's folder with other files."""
+        if _listed_files(self.path, self.record):
+            return True
+        return self.record == RESULT and (self.path / SPEC).is_file()
 
     def _make(self) -> None:
         if os.path.lexists(self.path) and not self.path.is_dir():
@@ -170,8 +183,11 @@ class RunFolder:
             if entry.name.startswith(_STAGING):
                 shutil.rmtree(entry, ignore_errors=True)
             elif entry.name.startswith(_PREVIOUS):
-                if not (self.path / RESULT).exists() and (entry / RESULT).exists():
-                    for file in sorted(entry.iterdir(), key=lambda file: file.name == RESULT):
+                if not (self.path / self.record).exists() and (entry / self.record).exists():
+                    for file in sorted(entry.iterdir(), key=lambda file: file.name == self.record):
+                        if file.is_dir():
+                            # a folder, as of the pieces of a time series, is replaced only where there is none
+                            shutil.rmtree(self.path / file.name, ignore_errors=True)
                         os.replace(file, self.path / file.name)
                 shutil.rmtree(entry, ignore_errors=True)
 
@@ -189,19 +205,15 @@ class RunFolder:
             self._lock = None
 
 
-def _is_run(folder: Path) -> bool:
-    return bool(_listed_files(folder)) or (folder / "run.toml").is_file()
-
-
-def _listed_files(folder: Path) -> list[str]:
+def _listed_files(folder: Path, record: str) -> list[str]:
     """Names of the files that the run in this folder consists of, as far as they exist."""
     try:
-        files = json.loads((folder / RESULT).read_text(encoding="utf-8"))["files"]
+        files = json.loads((folder / record).read_text(encoding="utf-8"))["files"]
         names = [str(name) for name in files]
     except (OSError, ValueError, KeyError, TypeError):
         return []
     plain = [name for name in names if name == os.path.basename(name) and (folder / name).is_file()]
-    return [*plain, RESULT]
+    return [*plain, record]
 
 
 def _move(source: Path, target: Path) -> tuple[Path, Path]:

@@ -19,13 +19,18 @@ from kirisurf.errors import KirisurfError, UnreadableError
 from kirisurf.formats import read_polygons, read_surface, source
 from kirisurf.formats.vtk_files import PolygonsWithFields, read_with_fields
 from kirisurf.loops import Loops
+from kirisurf.naming import printable
 from kirisurf.runs.folder import RESULT
 from kirisurf.runs.record import sha256
+from kirisurf.runs.schema import check_record
 from kirisurf.spec import FitSpec
 from kirisurf.surface import Surface
 from kirisurf.tessellation import Tessellation
 
 SPEC = "run.toml"
+RECORD_MB = 256
+"""Largest record that is read, in megabytes."""
+
 DEPLOYED, CONTRACTED, HOLES, TARGET = "deployed", "contracted", "holes", "target"
 BLOCKS = "run.vtm"
 RUN_BLOCKS = {"tiles": "deployed.vtp", "holes": "holes.vtp", "target": "target.vtp", "contracted": "contracted.vtp"}
@@ -55,8 +60,8 @@ class Run:
 
     @property
     def name(self) -> str:
-        """Name of the folder."""
-        return self.folder.name
+        """Name of the folder, as it may be shown."""
+        return printable(self.folder.name)
 
     @property
     def origin(self) -> Float[np.ndarray, " 3"]:
@@ -167,20 +172,16 @@ def read_run(folder: str | os.PathLike[str]) -> Run:
         got = "a file" if path.exists() else "a name that does not exist"
         raise UnreadableError(f"{path}: expected a run folder, got {got}")
     try:
-        result = json.loads((path / RESULT).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise UnreadableError(
-            f"{path}: expected a run folder with {RESULT}, got one without: no finished run"
-        ) from None
-    except (OSError, ValueError) as problem:
+        if not os.path.lexists(path / RESULT):
+            raise UnreadableError(f"{path}: expected a run folder with {RESULT}, got one without: no finished run")
+        result = json.loads(source.read_bytes(path / RESULT, RECORD_MB).decode("utf-8"))
+    except (ValueError, RecursionError) as problem:
         raise UnreadableError(f"{path / RESULT}: expected the record of a run, got {problem}") from None
-    listed = result.get("files") if isinstance(result, dict) else None
-    if not isinstance(listed, dict) or not {"status", "certificate", "origin", "target"} <= set(result):
-        raise UnreadableError(f"{path / RESULT}: expected the record of a kirisurf run, got another file")
+    check_record(result, path / RESULT)
     for name in _READ:
-        _check_file(path / name, listed.get(name))
+        _check_file(path / name, result["files"].get(name))
     try:
-        spec = FitSpec.from_toml((path / SPEC).read_text(encoding="utf-8"), str(path / SPEC))
+        spec = FitSpec.from_toml(source.read_bytes(path / SPEC, RECORD_MB).decode("utf-8"), str(path / SPEC))
     except (KirisurfError, ValueError) as problem:
         raise UnreadableError(str(problem)) from None
     return Run(path, spec, result)
@@ -190,6 +191,8 @@ def _check_file(path: Path, expected: object) -> None:
     if not isinstance(expected, str):
         raise UnreadableError(f"{path.parent / RESULT}: expected the hash of {path.name}, got none")
     try:
+        if not path.is_file():
+            raise UnreadableError(f"{path}: expected this file of the run, got none, or no plain file")
         found = sha256(path)
     except OSError as problem:
         raise UnreadableError(f"{path}: expected this file of the run, got: {problem.strerror or problem}") from None

@@ -98,6 +98,18 @@ def parse_cell(text: str, file: str = "cell") -> UnitCell:
     UnreadableError, UnusableError
         As :func:`read_cell`.
     """
+    try:
+        # What is finite may still be too far apart in size to be computed with: that ends here, not in a NaN.
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            return _parsed(text, file)
+    except (FloatingPointError, np.linalg.LinAlgError) as problem:
+        raise UnusableError(
+            f"{file}: expected points and translations of comparable size, got some that cannot be computed with "
+            f"({problem})"
+        ) from None
+
+
+def _parsed(text: str, file: str) -> UnitCell:
     lines = _Lines(file)
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.partition("#")[0].split()

@@ -19,6 +19,7 @@ from kirisurf.unit_cell import UnitCell
 TOLERANCE = 1e-7
 """Distance up to which points count as equal, and area as nothing; the contracted cell has area 1."""
 _FARTHEST = 20
+_AT_ONCE = 10_000
 _SHORTEST = 1e-4
 _EXACT = "write exact values, such as sqrt(3)/2"
 
@@ -106,20 +107,25 @@ def _check_apart(
     every = np.concatenate(polygons)
     reach = np.ptp(every, axis=0)
     # |integers| <= |inverse| |difference|: which cells have a bounding box that meets this cell's
-    far = np.ceil(np.abs(np.linalg.inv(shifts)).T @ reach).astype(int)
-    if far.max() > _FARTHEST:
+    far = np.nan_to_num(np.ceil(np.abs(np.linalg.inv(shifts)).T @ reach), nan=np.inf)
+    if not far.max() <= _FARTHEST:
         raise UnusableError(
-            f"{places[0]}: expected {state} tiles of one cell near each other, got some {far.max()} apart"
+            f"{places[0]}: expected {state} tiles of one cell near each other, got some {far.max():g} cells apart"
         )
+    far = far.astype(int)
     cells = np.stack(np.meshgrid(*(np.arange(-k, k + 1) for k in far), indexing="ij"), axis=-1).reshape(-1, 2)
     tree = shapely.STRtree(shapes)
-    for cell in cells:
+    for cell in cells[np.argsort(np.abs(cells).sum(axis=1), kind="stable")]:  # the nearest first: there most overlap
         moved = shapely.transform(shapes, lambda p, by=cell @ shifts: p + by)
-        for i, j in tree.query(moved, predicate="intersects").T:
-            if (i == j and not cell.any()) or shapes[j].intersection(moved[i]).area <= 10 * TOLERANCE:
-                continue
-            other = "" if not cell.any() else f", {cell[0]} columns and {cell[1]} rows on"
-            raise UnusableError(f"{places[j]}: expected no overlap, got one with {places[i]}{other}, {state}")
+        i, j = tree.query(moved, predicate="intersects")
+        i, j = (i, j) if cell.any() else (i[i < j], j[i < j])
+        for k in range(0, len(i), _AT_ONCE):
+            a, b = i[k : k + _AT_ONCE], j[k : k + _AT_ONCE]
+            overlaps = np.flatnonzero(shapely.area(shapely.intersection(shapes[b], moved[a])) > 10 * TOLERANCE)
+            if len(overlaps):
+                one, two = places[b[overlaps[0]]], places[a[overlaps[0]]]
+                other = "" if not cell.any() else f", {cell[0]} columns and {cell[1]} rows on"
+                raise UnusableError(f"{one}: expected no overlap, got one with {two}{other}, {state}")
 
 
 def _check_sides(polygons: Sequence[np.ndarray], shifts: Float[np.ndarray, "2 2"], places: Sequence[str]) -> None:

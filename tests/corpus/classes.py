@@ -124,8 +124,8 @@ def found_class(code: int | None, messages: str) -> str:
 
     Examples
     --------
-    >>> found_class(4, "kirisurf: a.stl: expected triangles, got an STL with none"), found_class(0, ""), found_class(70, "")
-    ('EMPTY', 'LOADS', 'NONE')
+    >>> found_class(4, "kirisurf: a.stl: expected triangles, got an STL with none"), found_class(70, "")
+    ('EMPTY', 'NONE')
     """
     if code in (0, 1, 5, 6):
         return LOADS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import re
 import struct
@@ -70,7 +71,9 @@ def _hostile(content: bytes, chance: random.Random) -> bytes:
     found = list(_NUMBER.finditer(content))
     if not found:
         return _inserted(content, chance)
-    for match in sorted(chance.sample(found, min(len(found), chance.choice((1, 1, 1, 2, 5)))), key=lambda m: -m.start()):
+    for match in sorted(
+        chance.sample(found, min(len(found), chance.choice((1, 1, 1, 2, 5)))), key=lambda m: -m.start()
+    ):
         content = content[: match.start()] + chance.choice(TOKENS) + content[match.end() :]
     return content
 
@@ -128,3 +131,16 @@ def mutated(content: bytes, seed: int) -> bytes:
 def truncated(content: bytes) -> Iterator[bytes]:
     """Return every beginning of a content."""
     return (content[:length] for length in range(len(content)))
+
+
+def rounds(usual: int) -> range:
+    """Return the seeds of a test: as many as usual, or KIRISURF_MUTATIONS times as many for a long run by hand."""
+    return range(int(usual * float(os.environ.get("KIRISURF_MUTATIONS", "1"))))
+
+
+def check_message(problem: Exception, name: str) -> None:
+    """Hold an error to its form: one printable line that names the file."""
+    message = str(problem)
+    assert message.isprintable(), message
+    assert name in message, message
+    assert len(message) < 500, message

@@ -122,3 +122,11 @@ def test_arrays_that_would_kill_native_code_are_refused(vertices: np.ndarray, fa
 def test_queries_that_are_not_finite_are_refused() -> None:
     with pytest.raises(FloatingPointError, match="finite"):
         ClosestPoints(mesh_only("hypar", 6)).locate(np.array([[0.0, np.nan, 0.0]]))
+
+
+def test_normals_across_a_fold_are_unit_vectors() -> None:
+    """Where a sheet lies folded on itself, the vertex normals on both sides of the fold cancel between them."""
+    strip = np.array([[1, 0, 0], [0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [1, 1, 0]], float)
+    faces = np.array([[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]])
+    found = ClosestPoints(Surface.from_arrays(strip, faces)).project(np.array([[0.5, 0.5, 0.2], [0.0, 0.5, 0.1]]))
+    assert np.allclose(np.linalg.norm(found.normals, axis=1), 1.0)

@@ -70,7 +70,7 @@ def test_obj_planar_vertices_get_no_height(tmp_path: Path) -> None:
         (SQUARE + "f 1 2 x\n", "got 'x'"),
         (SQUARE + "f 1 2 3.5\n", r"got '3\.5'"),
         (SQUARE + "f 1 2 99999999999999999999999\n", "whole numbers"),
-        (SQUARE + "f 1 1_0 3\n", "underscore"),
+        (SQUARE + "f 1 1_0 3\n", "1_0"),
         ("v 0,5 0 0\n" + SQUARE + "f 1 2 3\n", "decimal comma"),
         ("v 0\n" + SQUARE + "f 1 2 3\n", "expected 3 coordinates"),
         (SQUARE + "f 1 2 3\0\n", "binary content"),

@@ -152,7 +152,7 @@ def test_a_wide_gap_is_told_of(tmp_path: Path) -> None:
     [
         ("x,y\n1,2\n3,four\n5,6\n", "line 3, got '3 four'"),
         ("1,2\n3\n5,6\n", "in line 2, got '3'"),
-        ("1_0,2\n3,4\n5,6\n7,8\n1_0,3", "line 5"),
+        ("1_0,2\n3,4\n5,6\n7,8\n1_0,3", "line 1"),
         ("x,y,corner\n1,2,0\n3,4,maybe\n5,0,0\n", "expected 1 or 0 in the column corner, got 'maybe'"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00", "binary content"),
         (b"\xff\xfe\x00", "utf-16 text"),
