@@ -127,7 +127,7 @@ def _batch(folder: Path, name: str, n: int, workers: int, poison: tuple[str, ...
         names.insert(9 * k + 4, each)
     items = "".join(f'[[items]]\ntarget = "hypar"\nname = "{each}"\ncells = "4x4"\n' for each in names)
     spec = folder / f"{name}.toml"
-    spec.write_text(f"[limits]\nseconds = 60\nmemory_mb = 1500\n{items}")
+    spec.write_text(f"[limits]\nseconds = 30\nmemory_mb = 1500\n{items}")
     words = [sys.executable, "-m", "kirisurf", "batch", str(spec), "-o", str(folder / name), "-q"]
     return [*words, "--workers", str(workers)]
 

@@ -17,6 +17,7 @@ import kirisurf
 from kirisurf import cli, deploying
 from kirisurf.deployment import deploy_run
 from kirisurf.deployment_tables import COLUMNS
+from kirisurf.formats import read_polygons
 from kirisurf.formats.source import load
 from kirisurf.formats.vtk_files import read_with_fields
 from kirisurf.runs import read_run
@@ -98,12 +99,13 @@ def test_the_series_holds_the_states_with_strain_and_openings(
     index = (folder / "deployment.pvd").read_text()
     assert index.count("<DataSet ") == 2 * STATES and 'timestep="1.0"' in index
     for k, row in enumerate(rows):
-        read = read_with_fields(load(folder / "deployment_pvd" / f"{k:04d}_tiles.vtp"))
-        assert len(read.points) == run.tessellation.n_vertices
+        frame = folder / "deployment_pvd" / f"{k:04d}_tiles.vtp"
+        read, (points, tiles) = read_with_fields(load(frame)), read_polygons(frame)
+        assert len(points) == run.tessellation.n_vertices and len(tiles) == run.tessellation.n_tiles
         assert np.abs(read.cell_fields["tile_strain"]).max() == float(row["largest_strain"])
         widest = read.point_fields["hinge_opening"]
         assert np.nanmax(widest) >= float(row["opening"]) - 1e-12
-    last = read.points - read.points.mean(axis=0)
+    last = points - points.mean(axis=0)
     np.testing.assert_allclose(last, run.deployed - run.deployed.mean(axis=0), atol=1e-6)
 
 
