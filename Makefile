@@ -1,7 +1,9 @@
 # make demo    set everything up, run the main job on a bundled surface, end with the path of the report
 # make test    set everything up, run every check and every test
 # make lint    only the checks: style, layers, types
-# make bench   measure the solver and its peers (installs ipyopt and unopy), then the workbench
+# make bench   measure the solver and its peers (installs ipyopt and unopy), the workbench, and batches
+# make corpus CORPUS=DIR   fit every file of a folder of hostile files, each held to its expected class
+# make environments   run in some forty sanitized environments
 # make setup   only the set-up (.venv); PYTHON=... names another Python than python3
 # make clean   remove what the other targets made
 
@@ -9,7 +11,7 @@ PY := .venv/bin/python
 # The stamp's name carries all that the environment depends on, so that a moved folder or a new pin sets up again.
 READY := .venv/ready-$(shell { pwd; cat pyproject.toml constraints.txt .ci/set-up; } | cksum | cut -d ' ' -f 1)
 
-.PHONY: demo test lint bench setup clean constraints
+.PHONY: demo test lint bench corpus environments setup clean constraints
 
 # kirisurf demo ends with the path of the report. Its code 1 is a report to read, not a failure to mend.
 demo: $(READY)
@@ -35,6 +37,16 @@ bench: $(READY)
 		|| echo "make bench: the peers ipopt and uno could not be installed; going on without" >&2
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(PY) tests/benchmarks/run.py
 	@$(PY) tests/benchmarks/window.py
+	@$(PY) tests/benchmarks/batch.py
+	@if [ -f tests/benchmarks/deployment.py ]; then $(PY) tests/benchmarks/deployment.py; fi
+
+# Every file of a folder of foreign and hostile files, held to its expected class: make corpus CORPUS=...
+corpus: $(READY)
+	@$(PY) tests/corpus/classes.py $(CORPUS)
+
+# The product in some forty sanitized environments; also: make environments NAMES="wheel oldest newest"
+environments: $(READY)
+	@$(PY) tests/environments/matrix.py $(NAMES)
 
 setup: $(READY)
 
@@ -45,7 +57,8 @@ $(READY):
 constraints:
 	@rm -rf build/pins
 	@python3 -m venv build/pins
-	@build/pins/bin/python -m pip install --quiet --only-binary :all: --editable '.[repair,test,peers,desktop,web]' hatchling editables
+	@build/pins/bin/python -m pip install --quiet --only-binary :all: \
+		--editable '.[cluster,desktop,peers,repair,test,web]' hatchling editables
 	@{ sed -n '/^#/p' constraints.txt; build/pins/bin/python -m pip freeze --exclude-editable; } > build/constraints.txt
 	@mv build/constraints.txt constraints.txt
 	@rm -rf build/pins

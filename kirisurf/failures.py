@@ -6,7 +6,7 @@ import errno
 
 INTERRUPTED = 130
 INTERNAL = 70
-_OUTPUT, _LIMIT = 7, 6
+_PARAMETER, _OUTPUT, _LIMIT = 2, 7, 6
 
 
 def explained(problem: BaseException) -> tuple[int, str]:
@@ -21,6 +21,9 @@ def explained(problem: BaseException) -> tuple[int, str]:
         return _LIMIT, "expected enough memory, got too little: try fewer tiles or a coarser target"
     if isinstance(problem, OSError) and problem.errno in (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG):
         return _OUTPUT, f"expected room to write, got: {problem.strerror}; nothing old was changed"
+    if isinstance(problem, FileNotFoundError) and problem.filename is None:
+        # what Python says where a relative path starts at a folder that was deleted
+        return _PARAMETER, "expected a current folder, got one that is gone: change to another, or give absolute paths"
     what = " ".join(str(problem).split()) or "no message"
     return INTERNAL, (
         f"internal error: {type(problem).__name__}: {what[:300]} "

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.field_units import ORIGIN
 from kirisurf.formats import read_fields, read_polygons
 from kirisurf.loops import Loops
+from kirisurf.one_thread import on_one_thread
 from kirisurf.origin import moved
 from kirisurf.outlines import Outline
 from kirisurf.prescribed import Prescribed
@@ -32,6 +33,7 @@ from kirisurf.tessellation import Tessellation
 
 if TYPE_CHECKING:
     from analysis.certificate import Certificate
+    from analysis.collision_path import PathCollisions
     from analysis.foreign_holes import ForeignHoles
     from analysis.frames import Frame
     from analysis.measures import Measures
@@ -44,6 +46,7 @@ OUTLINE_PARTS = 2000
 _ORIGIN_LINES = 50
 
 
+@on_one_thread
 def certified(
     spec: FitSpec,
     deployed: np.ndarray,
@@ -100,6 +103,7 @@ def _followed(prescribed: Prescribed | None, points: np.ndarray) -> tuple[np.nda
     return None if prescribed is None else (prescribed.vertices, prescribed.distances(points))
 
 
+@on_one_thread
 def measured(
     tessellation: Tessellation,
     deployed: np.ndarray,
@@ -125,6 +129,7 @@ def patch_points(tessellation: Tessellation, deployed: np.ndarray, n: int) -> np
     return hole_patches(deployed, tessellation).sample(n)
 
 
+@on_one_thread
 def hole_measures(
     tessellation: Tessellation, deployed: np.ndarray, surface: Surface, construction: str
 ) -> tuple[dict[str, np.ndarray], dict[str, float]]:
@@ -153,6 +158,7 @@ def deployment(
     return frames(tessellation, contracted, deployed, shares)
 
 
+@on_one_thread
 def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
     """Certify any pair of states, of kirisurf or of another program.
 
@@ -185,6 +191,7 @@ def audit(deployed: Any, contracted: Any, target: Any = None) -> Certificate:
     return certify(points, flat, tiles, surface)
 
 
+@on_one_thread
 def measured_holes(deployed: Any, contracted: Any, target: Any = None) -> ForeignHoles:
     """Measure the holes of any pair of states; parameters and errors as for :func:`audit`.
 
@@ -260,6 +267,16 @@ def _numbers(words: tuple[str, ...]) -> np.ndarray:
 def _finite(values: np.ndarray) -> np.ndarray:
     is_origin = values.shape == (3,) and values.dtype.kind in "iuf" and np.isfinite(values).all()
     return values.astype(float) if is_origin else np.zeros(3)
+
+
+@on_one_thread
+def path_collisions(
+    states: Sequence[np.ndarray], tiles: Loops, shares: np.ndarray, thickness: float = 0.0, slit_width: float = 0.0
+) -> PathCollisions:
+    """Return the collisions along a path, see :func:`analysis.collision_path.path_collisions`."""
+    from analysis.collision_path import path_collisions
+
+    return path_collisions(states, tiles, shares, thickness, slit_width)
 
 
 def regression() -> Any:

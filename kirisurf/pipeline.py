@@ -15,6 +15,7 @@ from kirisurf.curved import solve_curved
 from kirisurf.errors import LimitError
 from kirisurf.fit_result import FitResult
 from kirisurf.flat import solve_flat
+from kirisurf.one_thread import on_one_thread
 from kirisurf.quadric_blend import QuadricBlend
 from kirisurf.shortfalls import shortfalls
 from kirisurf.solved import Solved
@@ -39,6 +40,7 @@ _TOO_EXACT = (
 )
 
 
+@on_one_thread
 def fit_surface(
     surface: Surface,
     spec: FitSpec,

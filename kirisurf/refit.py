@@ -23,6 +23,7 @@ from kirisurf.fit_result import FitResult
 from kirisurf.formulation import Formulation, Weights
 from kirisurf.ground import Ground
 from kirisurf.layout import Layout
+from kirisurf.one_thread import on_one_thread
 from kirisurf.problem import Problem
 from kirisurf.scaling import Frame, Scaled, median_edge, unit_scale
 from kirisurf.solvers.choice import make_solver
@@ -84,6 +85,7 @@ def is_direct(start: Start) -> bool:
     return start.layout is None or len(layouts(start.layout)) == 1
 
 
+@on_one_thread
 def refit(
     begun: Begun,
     spec: FitSpec,

@@ -68,11 +68,14 @@ class OpenGL:
 def probe() -> OpenGL:
     """Draw eight pixels off-screen in a child process and say whether that worked.
 
-    On Linux first with EGL, which needs no display, then with VTK's own choice. The answer is kept for
+    First with the window that the environment asks for, on Linux then with EGL, which needs no display; where
+    nothing is asked for, with VTK's own choice in the end. The answer is kept for
     the life of this process.
     """
     chosen = os.environ.get(VARIABLE, "")
-    kinds = [chosen] if chosen else ([EGL_WINDOW, ""] if sys.platform.startswith("linux") else [""])
+    own = [EGL_WINDOW] if sys.platform.startswith("linux") else []
+    # what was chosen comes first, but need not be a window that this VTK knows
+    kinds = [chosen, *own] if chosen else [*own, ""]
     ending = ""
     for kind in kinds:
         worked, ending = _draws(kind)
