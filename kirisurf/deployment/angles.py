@@ -13,10 +13,13 @@ BEGINS = -0.5 * np.pi
 SMALL = 0.03
 """Angle in radians below which the derivatives by the cosine are taken from their series."""
 
+ROUND = 0.02
+"""Radius in radians by which spatial angles are rounded where they close."""
+
 FLAT = 1e-8
 """Least sine: in space an angle has no derivatives at pi."""
 
-_Derivatives = tuple[Float[np.ndarray, "2 d k"], dict[tuple[int, int], Float[np.ndarray, "d d k"]]]
+Derivatives = tuple[Float[np.ndarray, "2 d k"], dict[tuple[int, int], Float[np.ndarray, "d d k"]]]
 
 
 def signed_angles(u: Float[np.ndarray, "2 k"], v: Float[np.ndarray, "2 k"]) -> Float[np.ndarray, " k"]:
@@ -31,7 +34,7 @@ def signed_angles(u: Float[np.ndarray, "2 k"], v: Float[np.ndarray, "2 k"]) -> F
     return np.where(angle < BEGINS, angle + 2 * np.pi, angle)
 
 
-def squared_angles(u: Float[np.ndarray, "d k"], v: Float[np.ndarray, "d k"], angle: np.ndarray) -> _Derivatives:
+def squared_angles(u: Float[np.ndarray, "d k"], v: Float[np.ndarray, "d k"], angle: np.ndarray) -> Derivatives:
     """Return the derivatives of the squares of angles by u and v.
 
     Parameters
@@ -40,11 +43,38 @@ def squared_angles(u: Float[np.ndarray, "d k"], v: Float[np.ndarray, "d k"], ang
     angle : (k,), radians
         In the plane signed, in space between 0 and pi.
     """
-    return _planar(u, v, angle) if len(u) == 2 else _spatial(u, v, angle)
+    if len(u) == 3:
+        return _spatial(u, v, angle)
+    first, second = _planar(u, v)
+    return 2 * angle * first, {
+        (i, j): 2 * (first[i][:, None] * first[j][None] + angle * second[i, j]) for i, j in second
+    }
 
 
-def _planar(u: np.ndarray, v: np.ndarray, angle: np.ndarray) -> _Derivatives:
-    """Derivatives of (arg v - arg u)^2: those of arg a are a' / |a|^2 with a' = a turned by a right angle."""
+def smooth_values(angle: Float[np.ndarray, " k"], dimension: int) -> Float[np.ndarray, " k"]:
+    """Return angles that have derivatives where they close: see `smooth_angles`."""
+    return angle if dimension == 2 else np.sqrt(angle**2 + ROUND**2) - ROUND
+
+
+def smooth_angles(
+    u: Float[np.ndarray, "d k"], v: Float[np.ndarray, "d k"], angle: np.ndarray
+) -> tuple[Float[np.ndarray, " k"], Derivatives]:
+    """Return angles that have derivatives where they close, with these.
+
+    In the plane they are the signed angles. In space, where the angle has no sign, they are
+    sqrt(angle^2 + r^2) - r with r = `ROUND`.
+    """
+    if len(u) == 2:
+        return smooth_values(angle, 2), _planar(u, v)
+    first, second = _spatial(u, v, angle)
+    size = np.sqrt(angle**2 + ROUND**2)
+    by, twice = 0.5 / size, -0.25 / size**3
+    bends = {(i, j): by * bend + twice * first[i][:, None] * first[j][None] for (i, j), bend in second.items()}
+    return smooth_values(angle, 3), (by * first, bends)
+
+
+def _planar(u: np.ndarray, v: np.ndarray) -> Derivatives:
+    """Derivatives of arg v - arg u: those of arg a are a' / |a|^2 with a' = a turned by a right angle."""
     slopes, bends = [], []
     for vector, sign in ((u, -1.0), (v, 1.0)):
         square = (vector**2).sum(axis=0)
@@ -52,15 +82,10 @@ def _planar(u: np.ndarray, v: np.ndarray, angle: np.ndarray) -> _Derivatives:
         ray = vector / square
         slopes.append(slope)
         bends.append(-(ray[:, None] * slope[None] + slope[:, None] * ray[None]))
-    first = 2 * angle * np.stack(slopes)
-    second = {
-        (i, j): 2 * slopes[i][:, None] * slopes[j][None] + (2 * angle * bends[i] if i == j else 0.0)
-        for i, j in ((0, 0), (0, 1), (1, 1))
-    }
-    return first, second
+    return np.stack(slopes), {(0, 0): bends[0], (0, 1): np.zeros_like(bends[0]), (1, 1): bends[1]}
 
 
-def _spatial(u: np.ndarray, v: np.ndarray, angle: np.ndarray) -> _Derivatives:
+def _spatial(u: np.ndarray, v: np.ndarray, angle: np.ndarray) -> Derivatives:
     """Derivatives through the cosine c: (arccos c)^2 is analytic where the angle closes, c = 1."""
     by_cosine, twice = _by_cosine(angle)
     sizes = np.sqrt(dot(u, u)), np.sqrt(dot(v, v))

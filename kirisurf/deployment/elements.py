@@ -6,42 +6,17 @@ the whole sheet costs nothing by construction. Lengths may have any unit: an ene
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from kirisurf.deployment.angles import signed_angles, squared_angles
+from kirisurf.errors import UnusableError
 from kirisurf.vectors import cross, dot
 
 SHORTEST = 1e-9
 """Part of its rest length below which a rod has no direction: there the angle of a fold or slit is none."""
-
-
-class Elements(Protocol):
-    """Equal elements: k of them, each on p vectors.
-
-    Attributes
-    ----------
-    stencil : (k, p + 1)
-        Vertices, the origin first.
-    """
-
-    stencil: Int[np.ndarray, "k p1"]
-
-    @abstractmethod
-    def values(self, vectors: Float[np.ndarray, "p d k"]) -> Float[np.ndarray, " k"]:
-        """Return the energy of every element."""
-        ...
-
-    @abstractmethod
-    def derivatives(
-        self, vectors: Float[np.ndarray, "p d k"]
-    ) -> tuple[Float[np.ndarray, "p d k"], dict[tuple[int, int], Float[np.ndarray, "d d k"]]]:
-        """Return the first derivatives by the vectors, and the second by pairs (i, j) of them with i <= j."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,16 +44,17 @@ class Rods:
         return self.strains(vectors) ** 2
 
     def derivatives(
-        self, vectors: Float[np.ndarray, "1 d k"]
+        self, vectors: Float[np.ndarray, "1 d k"], curved: bool = True
     ) -> tuple[Float[np.ndarray, "1 d k"], dict[tuple[int, int], Float[np.ndarray, "d d k"]]]:
         """Return first and second derivatives."""
         u = vectors[0]
         length = np.maximum(np.sqrt((u**2).sum(axis=0)), SHORTEST * self.lengths)
         direction = u / length
         across = 2 * self.strains(vectors) / (self.lengths * length)
-        second = (2 / self.lengths**2 - across) * direction[:, None] * direction[None]
+        bend = across if curved else np.zeros_like(across)
+        second = (2 / self.lengths**2 - bend) * direction[:, None] * direction[None]
         for i in range(len(u)):
-            second[i, i] += across
+            second[i, i] += bend
         return (across * length * direction)[None], {(0, 0): second}
 
 
@@ -87,7 +63,7 @@ class Hinges:
     """Torsional springs: the square of the angle of a slit, its sides u and v beginning at the hinge.
 
     In the plane the angle has a sign and goes on beyond pi, up to 3 pi / 2; below 0 the tiles overlap. In space it is
-    that between the two sides, up to pi: a slit that opens further there is taken for one that closes on its other side.
+    that between the two sides, up to pi: a slit that opens further is taken for one that closes on its other side.
 
     Attributes
     ----------
@@ -109,7 +85,7 @@ class Hinges:
         return self.angles(vectors) ** 2
 
     def derivatives(
-        self, vectors: Float[np.ndarray, "2 d k"]
+        self, vectors: Float[np.ndarray, "2 d k"], curved: bool = True
     ) -> tuple[Float[np.ndarray, "2 d k"], dict[tuple[int, int], Float[np.ndarray, "d d k"]]]:
         """Return first and second derivatives."""
         return squared_angles(vectors[0], vectors[1], self.angles(vectors))
@@ -142,7 +118,7 @@ class Folds:
         return self.heights(vectors) ** 2
 
     def derivatives(
-        self, vectors: Float[np.ndarray, "3 3 k"]
+        self, vectors: Float[np.ndarray, "3 3 k"], curved: bool = True
     ) -> tuple[Float[np.ndarray, "3 3 k"], dict[tuple[int, int], Float[np.ndarray, "3 3 k"]]]:
         """Return first and second derivatives."""
         u, v, w = vectors
@@ -150,9 +126,42 @@ class Folds:
         height = 2 * self.heights(vectors)
         second = {(i, j): 2 * slopes[i][:, None] * slopes[j][None] for i in range(3) for j in range(i, 3)}
         # d2 det / du dv = -[w]x, d2 det / du dw = [v]x, d2 det / dv dw = -[u]x with [a]x b = a x b
-        for pair, vector, sign in (((0, 1), w, -1.0), ((0, 2), v, 1.0), ((1, 2), u, -1.0)):
+        for pair, vector, sign in (((0, 1), w, -1.0), ((0, 2), v, 1.0), ((1, 2), u, -1.0)) if curved else ():
             part = sign * height * vector / self.scales
             for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
                 second[pair][i, j] -= part[k]
                 second[pair][j, i] += part[k]
         return height * slopes, second
+
+
+def folds_of(
+    flat: Float[np.ndarray, "n 2"], loops: Int[np.ndarray, "g k"]
+) -> tuple[Int[np.ndarray, "f 4"], Float[np.ndarray, " f"]]:
+    """Return stencils and scales of the folds of flat tiles with equally many corners, more than three.
+
+    Raises
+    ------
+    UnusableError
+        Where a tile has no area.
+    """
+    size = loops.shape[1]
+    triples = np.array([(i, j, k) for i in range(size) for j in range(i + 1, size) for k in range(j + 1, size)])
+    a, b, c = flat[loops[:, triples]].transpose(2, 3, 0, 1)
+    double = np.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    best = double.argmax(axis=1)
+    most = double[np.arange(len(loops)), best]
+    if not most.min() > 0:
+        raise UnusableError("tessellation: expected tiles with an area, got one without")
+    base = triples[best]
+    others = np.array([[k for k in range(size) if k not in row] for row in base.tolist()])
+    stencil = np.stack([np.repeat(np.take_along_axis(loops, base[:, [i]], 1), size - 3, 1) for i in range(3)], axis=2)
+    stencil = np.concatenate([stencil, np.take_along_axis(loops, others, 1)[:, :, None]], axis=2).reshape(-1, 4)
+    return stencil, np.repeat(most**1.5, size - 3)
+
+
+Elements = Rods | Hinges | Folds
+"""Equal elements: k of them, each on the vectors from the first vertex of its stencil to the others.
+
+`values` are their energies, `derivatives` the first by the vectors and the second by pairs (i, j) of them with i <= j;
+where not `curved`, the latter are those of Gauss and Newton, in which a spring keeps its direction.
+"""

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from kirisurf.arrays import checked, frozen
-from kirisurf.deployment.elements import Elements, Folds, Hinges, Rods
+from kirisurf.deployment.elements import Elements, Folds, Hinges, Rods, folds_of
 from kirisurf.deployment.stiffness import Gathering, Stiffness
 from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.tessellation import Tessellation
@@ -55,7 +55,9 @@ class Energy:
         lambda.
     n_vertices, dimension : int
     length : float
-        Median length of a tile's sides: the unit in which equilibria are sought.
+        Median length of a tile's sides, the unit in which equilibria are sought.
+    area : float
+        Area of all tiles.
     rod_tiles : (Ns,)
         Tile of every rod.
     n_tiles : int
@@ -68,6 +70,7 @@ class Energy:
     n_vertices: int
     dimension: int
     length: float
+    area: float
     rod_tiles: Int[np.ndarray, " s"]
     n_tiles: int
 
@@ -96,7 +99,7 @@ class Energy:
         """Return the same sheet with another lambda, sharing what does not change."""
         other = Energy(
             self.rods, self.hinges, self.folds, checked_torsion(torsion), self.n_vertices, self.dimension,
-            self.length, self.rod_tiles, self.n_tiles,
+            self.length, self.area, self.rod_tiles, self.n_tiles,
         )  # fmt: skip
         other.__dict__["gathering"] = self.gathering
         return other
@@ -113,11 +116,15 @@ class Energy:
         """Return E."""
         return sum(self.parts(points))
 
-    def evaluate(self, points: Float[np.ndarray, "n d"]) -> Evaluation:
-        """Return E with its exact first and second derivatives."""
+    def evaluate(self, points: Float[np.ndarray, "n d"], curved: bool = True) -> Evaluation:
+        """Return E with its exact first and second derivatives, the latter those of Gauss and Newton if not curved."""
         value, slopes, bends = 0.0, [], []
         for weight, kind, vectors in zip(self.weights, self.elements, self.gathering.vectors(points), strict=True):
-            first, second = kind.derivatives(vectors)
+            if weight == 0:
+                slopes.append(np.zeros_like(vectors))
+                bends.append(_zeros(*vectors.shape))
+                continue
+            first, second = kind.derivatives(vectors, curved)
             value += weight * float(kind.values(vectors).sum())
             slopes.append(weight * first)
             bends.append({pair: weight * block for pair, block in second.items()})
@@ -125,8 +132,7 @@ class Energy:
 
     def gradient(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
         """Return the first derivatives of E."""
-        found = zip(self.weights, self.elements, self.gathering.vectors(points), strict=True)
-        return self.gathering.forces([weight * kind.derivatives(v)[0] for weight, kind, v in found])
+        return self.evaluate(points, curved=False).gradient
 
     def product(self, evaluation: Evaluation, shift: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
         """Return the second derivatives of E times a displacement of the points."""
@@ -186,8 +192,8 @@ def energy_of(
     >>> from kirisurf.pattern import quad_pattern
     >>> sheet = quad_pattern(2, 2)
     >>> energy = energy_of(sheet, sheet.contracted, dimension=2)
-    >>> energy.value(sheet.contracted), round(energy.value(sheet.deployed), 15)
-    (0.0, 0.0)
+    >>> bool(energy.value(sheet.contracted) < 1e-25), bool(energy.value(sheet.deployed) < 1e-25)
+    (True, True)
     """
     if dimension not in (2, 3):
         raise ParameterError(f"dimension: expected 2 or 3, got {dimension}")
@@ -198,7 +204,7 @@ def energy_of(
         pairs.append(np.stack([loops[:, first], loops[:, second]], axis=2).reshape(-1, 2))
         owners.append(np.repeat(which, len(first)))
         if dimension == 3 and size > 3:
-            stencil, scale = _folds(flat, loops)
+            stencil, scale = folds_of(flat, loops)
             folds.append(stencil)
             scales.append(scale)
     rods = np.concatenate(pairs)
@@ -207,7 +213,9 @@ def energy_of(
     length = float(np.median(np.linalg.norm(flat[edges[:, 0]] - flat[edges[:, 1]], axis=1)))
     owner = np.concatenate(owners)
     if not lengths.min() > 1e-9 * length:
-        raise UnusableError(f"tile {owner[lengths.argmin()]}: expected corners apart from each other, got two in one place")
+        raise UnusableError(
+            f"tile {owner[lengths.argmin()]}: expected corners apart from each other, got two in one place"
+        )
     hinges = tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2]]
     return Energy(
         Rods(frozen(rods, np.int64), frozen(lengths)),
@@ -217,9 +225,15 @@ def energy_of(
         tessellation.n_vertices,
         dimension,
         length,
+        _area(flat, edges),
         frozen(owner, np.int64),
         tessellation.n_tiles,
     )
+
+
+def _area(flat: np.ndarray, edges: np.ndarray) -> float:
+    a, b = flat[edges[:, 0]] - flat[0], flat[edges[:, 1]] - flat[0]
+    return float(0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum())
 
 
 def checked_torsion(torsion: float) -> float:
@@ -235,18 +249,5 @@ def checked_torsion(torsion: float) -> float:
     return float(torsion)
 
 
-def _folds(flat: np.ndarray, loops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Stencils (f, 4) and scales (f,) of the folds of tiles with equally many corners (g, k)."""
-    size = loops.shape[1]
-    triples = np.array([(i, j, k) for i in range(size) for j in range(i + 1, size) for k in range(j + 1, size)])
-    a, b, c = flat[loops[:, triples]].transpose(2, 3, 0, 1)
-    double = np.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-    best = double.argmax(axis=1)
-    most = double[np.arange(len(loops)), best]
-    if not most.min() > 0:
-        raise UnusableError("tessellation: expected tiles with an area, got one without")
-    base = triples[best]
-    others = np.array([[k for k in range(size) if k not in row] for row in base.tolist()])
-    stencil = np.stack([np.repeat(np.take_along_axis(loops, base[:, [i]], 1), size - 3, 1) for i in range(3)], axis=2)
-    stencil = np.concatenate([stencil, np.take_along_axis(loops, others, 1)[:, :, None]], axis=2).reshape(-1, 4)
-    return stencil, np.repeat(most**1.5, size - 3)
+def _zeros(p: int, d: int, k: int) -> dict[tuple[int, int], np.ndarray]:
+    return {(i, j): np.zeros((d, d, k)) for i in range(p) for j in range(i, p)}

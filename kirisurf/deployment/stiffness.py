@@ -20,7 +20,7 @@ class Gathering:
         Vertices of elements, the origin first.
     """
 
-    def __init__(self, n: int, stencils: Sequence[Int[np.ndarray, "k p1"]]) -> None:
+    def __init__(self, n: int, stencils: Sequence[Int[np.ndarray, "_ _"]]) -> None:
         ends = [stencil[:, 1:].T.ravel() for stencil in stencils]
         origins = [np.tile(stencil[:, 0], stencil.shape[1] - 1) for stencil in stencils]
         self._shapes = [(stencil.shape[1] - 1, len(stencil)) for stencil in stencils]
@@ -30,7 +30,7 @@ class Gathering:
         place = rows, np.concatenate([self._ends, self._origins])
         self._back = csr_matrix((signs, place), shape=(len(self._ends), n)).T.tocsr()
 
-    def vectors(self, points: Float[np.ndarray, "n d"]) -> list[Float[np.ndarray, "p d k"]]:
+    def vectors(self, points: Float[np.ndarray, "n d"]) -> list[Float[np.ndarray, "_ _ _"]]:
         """Return the vectors of every kind of elements."""
         every = points.T[:, self._ends] - points.T[:, self._origins]
         result, start = [], 0
@@ -40,7 +40,7 @@ class Gathering:
             start += p * k
         return result
 
-    def forces(self, parts: Sequence[Float[np.ndarray, "p d k"]]) -> Float[np.ndarray, "n d"]:
+    def forces(self, parts: Sequence[Float[np.ndarray, "_ _ _"]]) -> Float[np.ndarray, "n d"]:
         """Add up derivatives by the vectors to those by the points."""
         every = [part.transpose(1, 0, 2).reshape(part.shape[1], -1) for part in parts]
         return np.asarray(self._back @ np.concatenate(every, axis=1).T)
@@ -56,7 +56,7 @@ class Stiffness:
         Row and column of every coordinate, -1 where it is held.
     """
 
-    def __init__(self, stencils: Sequence[Int[np.ndarray, "k p1"]], numbers: Int[np.ndarray, "n d"]) -> None:
+    def __init__(self, stencils: Sequence[Int[np.ndarray, "_ _"]], numbers: Int[np.ndarray, "n d"]) -> None:
         d, size = numbers.shape[1], int(numbers.max(initial=-1)) + 1
         rows, columns, sources, signs = [], [], [], []
         start = 0

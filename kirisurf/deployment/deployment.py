@@ -1,0 +1,206 @@
+"""The deployment of a design: paths for several lambda, what each means, and where the meaning changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kirisurf.deployment.drive import checked_trajectory, driven_vertices
+from kirisurf.deployment.energy import Energy, checked_torsion, energy_of
+from kirisurf.deployment.following import (
+    follow_free_planar,
+    follow_held,
+    follow_rigid,
+    follow_supported,
+)
+from kirisurf.deployment.guide import Guide
+from kirisurf.deployment.kinematics import n_mechanisms
+from kirisurf.deployment.path import Path, PathStatus, Progress, ShouldStop
+from kirisurf.deployment.stability import transition_torsion
+from kirisurf.deployment.verdict import ADMISSIBLE, Verdict, judge
+from kirisurf.errors import ParameterError, UnusableError
+from kirisurf.runs import Run
+from kirisurf.tessellation import Tessellation
+
+TORSIONS = (0.0, 1e-4, 1e-3)
+"""Values of lambda where none are asked for: ligaments of no width, and of about 4 and 14 % of a square tile."""
+
+STEPS = 50
+PLANAR = 1e-9
+"""Height over width of a deployed sheet up to which it is planar."""
+
+
+@dataclass(frozen=True, eq=False)
+class Deployment:
+    """How a sheet gets from flat to deployed.
+
+    Attributes
+    ----------
+    energy : Energy
+        Without torsion.
+    guide : Guide
+    paths : tuple of Path
+        One for every lambda that was asked for.
+    still : Path
+        The free path without torsion: whether rigid tiles lead to the shape, and if not, what strain it takes.
+    verdicts : tuple of Verdict
+        One for every path.
+    mechanisms : (flat, deployed)
+        Motions of first order that strain no tile, at both ends.
+    transition : float or None
+        lambda above which the sheet no longer rests open by itself; None where it never does, or always.
+    """
+
+    energy: Energy
+    guide: Guide
+    paths: tuple[Path, ...]
+    still: Path
+    verdicts: tuple[Verdict, ...]
+    mechanisms: tuple[int, int]
+    transition: float | None
+
+    @property
+    def sentence(self) -> str:
+        """The verdict for the first lambda."""
+        return self.verdicts[0].sentence
+
+    @property
+    def is_complete(self) -> bool:
+        """Was every path followed to its end?"""
+        return all(path.status is not PathStatus.INTERRUPTED for path in self.paths)
+
+
+def deploy(
+    tessellation: Tessellation,
+    contracted: ArrayLike,
+    deployed: ArrayLike,
+    *,
+    torsion: float | Sequence[float] = TORSIONS,
+    steps: int = STEPS,
+    drive: str | Sequence[int] = "free",
+    trajectory: str = "turning",
+    dimension: int | None = None,
+    admissible: float = ADMISSIBLE,
+    should_stop: ShouldStop | None = None,
+    progress: Progress | None = None,
+) -> Deployment:
+    """Follow a sheet from flat to deployed.
+
+    Parameters
+    ----------
+    tessellation : Tessellation
+    contracted : (n, 2)
+    deployed : (n, 2) or (n, 3)
+    torsion : float or sequence of float
+        Values of lambda, see :class:`kirisurf.deployment.energy.Energy`.
+    steps : int
+        States after the flat one, evenly along the way.
+    drive : str or sequence of int
+        free: a load opens the slits and moves no vertex (in space soft supports keep the sheet near the path that
+        rigid tiles take); rim, corners: these vertices are moved; or numbers of vertices.
+    trajectory : str
+        How vertices are moved: turning with their tiles, or along straight lines, as in the paper.
+    dimension : int, optional
+        2 or 3; by default 2 where the deployed sheet is planar.
+    admissible : float
+        Strain up to which tiles may be strained on the way, for the verdict.
+    should_stop : callable, optional
+        Asked before every state: True ends the paths, and what was found is returned.
+    progress : callable, optional
+        Told the number of the state and of all states, over all paths.
+
+    Raises
+    ------
+    ParameterError
+        Where lambda is negative, or a drive, trajectory, dimension or number of steps is not one.
+    UnusableError
+        Where points are missing or not finite, or tiles differ in shape between the two states.
+
+    Examples
+    --------
+    >>> from kirisurf.pattern import quad_pattern
+    >>> squares = quad_pattern(2, 2, 0.6)
+    >>> found = deploy(squares, squares.contracted, squares.deployed, torsion=0.0, steps=10)
+    >>> found.verdicts[0].kind.value, found.mechanisms[1]
+    ('deploys freely', 1)
+    """
+    values = [checked_torsion(value) for value in np.atleast_1d(np.asarray(torsion, float)).tolist()]
+    if not values:
+        raise ParameterError("lambda: expected at least one number, got none")
+    if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or not 2 <= steps <= 100_000:
+        raise ParameterError(f"steps: expected a whole number from 2 to 100000, got {steps!r}")
+    checked_trajectory(trajectory)
+    held = driven_vertices(tessellation, drive if isinstance(drive, str) else np.asarray(drive))
+    name = drive if isinstance(drive, str) else "vertices"
+    points = _in_dimension(np.asarray(deployed, float), dimension)
+    energy = energy_of(tessellation, np.asarray(contracted, float), 0.0, points.shape[1])
+    if not len(energy.hinges.stencil):
+        raise UnusableError("tessellation: expected slits, got a sheet without: it has nothing to open")
+    guide = Guide(tessellation, np.asarray(contracted, float), points)
+    fractions = np.linspace(0.0, 1.0, steps + 1)
+    count = steps + 1
+    total = count * (1 + sum(1 for value in values if value > 0 or name != "free"))
+    done = 0
+
+    def told(k: int, _: int) -> None:
+        if progress is not None:
+            progress(done + k, total)
+
+    free = follow_free_planar if energy.dimension == 2 else follow_rigid
+    still = free(energy, guide, fractions, should_stop, told)
+    done += count
+    paths = []
+    for value in values:
+        stiff = energy.with_torsion(value)
+        if name != "free":
+            path = follow_held(stiff, guide, held, fractions, trajectory, should_stop, told, name)
+        elif value == 0:
+            paths.append(still)
+            continue
+        elif energy.dimension == 2:
+            path = follow_free_planar(stiff, guide, fractions, should_stop, told)
+        else:
+            path = follow_supported(stiff, guide, still, should_stop, told)
+        done += count
+        paths.append(path)
+    mechanisms = n_mechanisms(energy, guide.flat), n_mechanisms(energy, guide.deployed)
+    verdicts = tuple(
+        judge(energy.with_torsion(value), guide, path, still, mechanisms[1], admissible, should_stop)
+        for value, path in zip(values, paths, strict=True)
+    )
+    stopped = any(path.status is PathStatus.INTERRUPTED for path in (still, *paths))
+    transition = None if stopped else transition_torsion(energy, guide)
+    return Deployment(energy, guide, tuple(paths), still, verdicts, mechanisms, transition)
+
+
+def deploy_run(run: Run, **options: object) -> Deployment:
+    """Follow the sheet of a run folder; options are those of `deploy`.
+
+    Raises
+    ------
+    UnusableError
+        Where the run is not certified: its two ends are then no states of one sheet.
+    """
+    if run.result.get("certified") is not True:
+        raise UnusableError(
+            f"{run.folder}: expected a certified run, got one that is not ({run.result['status']}): "
+            "its flat and its deployed state are not states of one sheet"
+        )
+    return deploy(run.tessellation, run.contracted, run.deployed, **options)  # type: ignore[arg-type]
+
+
+def _in_dimension(deployed: np.ndarray, dimension: int | None) -> np.ndarray:
+    if dimension not in (None, 2, 3):
+        raise ParameterError(f"dimension: expected 2 or 3, got {dimension}")
+    if deployed.ndim != 2 or deployed.shape[1] not in (2, 3):
+        raise UnusableError(f"deployed: expected shape (any, 2) or (any, 3), got {deployed.shape}")
+    height = np.ptp(deployed[:, 2]) if deployed.shape[1] == 3 and len(deployed) else 0.0
+    is_planar = height <= PLANAR * np.ptp(deployed[:, :2], axis=0).max(initial=0.0)
+    if dimension == 2 and not is_planar:
+        raise ParameterError(f"dimension: expected 3 for a deployed sheet in space, got 2 (it is {height:.3g} high)")
+    if dimension == 3 or not is_planar:
+        return deployed if deployed.shape[1] == 3 else np.pad(deployed, ((0, 0), (0, 1)))
+    return deployed[:, :2]

@@ -1,0 +1,228 @@
+"""Stability: where a sheet rests when it is let go, and what lies between."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import brentq
+
+from kirisurf.deployment.drive import rigid_rows
+from kirisurf.deployment.energy import Energy
+from kirisurf.deployment.equilibrium import Minimizer
+from kirisurf.deployment.guide import Guide
+from kirisurf.deployment.loading import STIFFNESS, Loading, mean_opening
+from kirisurf.deployment.path import STRAINLESS, Path, ShouldStop
+
+RELEASES = 4
+"""States, evenly along a path, from which a sheet is let go besides both ends and the path's own minima."""
+
+SAME_OPENING, SAME_PLACE = 0.01, 0.05
+"""Two states are one if mean openings (radians) and vertices (root mean square, tile edges) agree so far."""
+
+FLAT = 0.02
+"""Mean opening in radians below which a sheet is flat: in space its last way home is soft, and not gone to the end."""
+
+SLIGHT = 1e-6
+"""Height, over the highest energy of the path, up to which there is nothing between two minima."""
+
+RELAX_STEPS = 300
+HALVINGS = 30
+FELL = 0.6
+"""A sheet that closes to less than this part of its opening while lambda grows a little has lost its open state."""
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """A state in which a sheet rests by itself.
+
+    Attributes
+    ----------
+    points : (n, d)
+    energy : float
+    opening : float, radians
+        Mean opening.
+    fraction : float
+        The same over that of the deployed sheet.
+    largest_strain : float
+    is_flat : bool
+    """
+
+    points: Float[np.ndarray, "n d"]
+    energy: float
+    opening: float
+    fraction: float
+    largest_strain: float
+    is_flat: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Barrier:
+    """What lies between two neighboring minima.
+
+    Attributes
+    ----------
+    energy : float
+        At the top.
+    fraction : float
+        Mean opening there over that of the deployed sheet.
+    closing, opening : float
+        Height over the more open minimum, and over the more closed one.
+    is_saddle : bool
+        The top is a point where nothing pulls and one direction leads down: no lower way passes near it. Elsewhere
+        the height is that along the path, which another way may undercut.
+    """
+
+    energy: float
+    fraction: float
+    closing: float
+    opening: float
+    is_saddle: bool
+
+
+def find_minima(energy: Energy, guide: Guide, path: Path, should_stop: ShouldStop | None = None) -> tuple[Minimum, ...]:
+    """Return the stable states that a sheet falls into when it is let go along a path, by growing opening.
+
+    Where nothing costs energy along the path, both ends are returned.
+    """
+    minimizer = Minimizer(energy, rows=rigid_rows(guide), toward=guide.deployed - guide.flat)
+    values = path.energies
+    if values.max() <= STRAINLESS:
+        # it rests wherever it is left
+        return tuple(_minimum(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False)))
+    inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
+    evenly = np.linspace(0, len(values) - 1, RELEASES + 2).round().astype(int)
+    found: list[Minimum] = []
+    for start in (guide.flat, *path.points[np.unique(np.r_[inner, evenly])], guide.deployed):
+        if should_stop is not None and should_stop():
+            break
+        rest = minimizer.solve(start, max_steps=RELAX_STEPS)
+        is_low = rest.energy <= 1e-6 * max(values.max(), 1e-12)
+        flat = bool(is_low and mean_opening(energy, rest.points) < FLAT)
+        if not flat and not (rest.is_converged and rest.is_stable):
+            continue
+        new = _minimum(energy, guide, guide.flat if flat else rest.points, flat)
+        if not any(_is_same(new, old, energy.length) for old in found):
+            found.append(new)
+    return _apart(energy, path, sorted(found, key=lambda minimum: minimum.opening))
+
+
+def find_barriers(energy: Energy, guide: Guide, path: Path, minima: tuple[Minimum, ...]) -> tuple[Barrier, ...]:
+    """Return the barriers between neighboring minima: the highest point of the path between them.
+
+    On the free path of a planar sheet it is then moved to where the load on the opening vanishes, which is a saddle.
+    """
+    last = mean_opening(energy, guide.deployed)
+    openings = np.array([mean_opening(energy, points) for points in path.points])
+    barriers = []
+    for closed, opened in pairwise(minima):
+        between = np.flatnonzero((openings > closed.opening) & (openings < opened.opening))
+        if not len(between):
+            continue
+        top = int(between[path.energies[between].argmax()])
+        points, height, is_saddle = path.points[top], float(path.energies[top]), False
+        if path.drive == "free" and energy.dimension == 2 and 0 < top < len(openings) - 1:
+            refined = _saddle(energy, guide, path, openings, top)
+            if refined is not None:
+                points, height, is_saddle = refined
+        height = max(height, closed.energy, opened.energy)
+        at = mean_opening(energy, points) / last
+        barriers.append(Barrier(height, at, height - opened.energy, height - closed.energy, is_saddle))
+    return tuple(barriers)
+
+
+def transition_torsion(energy: Energy, guide: Guide, most: float = 10.0) -> float | None:
+    """Return the lambda above which the open state is gone: a sheet let go at the shape closes.
+
+    The open state is followed from the deployed one as lambda grows, and the interval in which it is lost is halved.
+
+    Parameters
+    ----------
+    energy : Energy
+    guide : Guide
+    most : float
+        Largest lambda to try.
+
+    Returns
+    -------
+    float or None
+        None where there is no open state even at the smallest lambda, or still one at the largest.
+    """
+    minimizer = Minimizer(energy, rows=rigid_rows(guide))
+
+    def rest(torsion: float, start: np.ndarray) -> np.ndarray | None:
+        found = minimizer.with_torsion(torsion).solve(start, max_steps=RELAX_STEPS)
+        kept = mean_opening(energy, found.points) >= FELL * mean_opening(energy, start)
+        return found.points if kept and found.is_converged and found.is_stable else None
+
+    low, high, points = 0.0, 1e-6, guide.deployed
+    while (found := rest(high, points)) is not None:
+        low, high, points = high, 2 * high, found
+        if high > most:
+            return None
+    if low == 0.0:
+        return None
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        found = rest(middle, points)
+        if found is None:
+            high = middle
+        else:
+            low, points = middle, found
+        if high - low <= 1e-4 * high:
+            break
+    return 0.5 * (low + high)
+
+
+def _apart(energy: Energy, path: Path, minima: list[Minimum]) -> tuple[Minimum, ...]:
+    """Minima with something between: of neighbors on one flat stretch of the path the lower, or more open, one."""
+    openings = np.array([mean_opening(energy, points) for points in path.points])
+    least = SLIGHT * float(path.energies.max())
+    kept: list[Minimum] = []
+    for minimum in minima:
+        if kept:
+            between = (openings > kept[-1].opening) & (openings < minimum.opening)
+            top = float(path.energies[between].max(initial=0.0))
+            if top - max(kept[-1].energy, minimum.energy) <= least:
+                if not kept[-1].is_flat and minimum.energy <= kept[-1].energy + least:
+                    kept[-1] = minimum
+                continue
+        kept.append(minimum)
+    return tuple(kept)
+
+
+def _minimum(energy: Energy, guide: Guide, points: np.ndarray, flat: bool) -> Minimum:
+    opening = mean_opening(energy, points)
+    strain = float(np.abs(energy.strains(points)).max())
+    fraction = opening / mean_opening(energy, guide.deployed)
+    return Minimum(points, energy.value(points), opening, fraction, strain, bool(flat or opening < FLAT))
+
+
+def _is_same(one: Minimum, other: Minimum, length: float) -> bool:
+    if one.is_flat and other.is_flat:
+        return True
+    apart = np.sqrt(((one.points - other.points) ** 2).sum(axis=1).mean()) / length
+    return bool(abs(one.opening - other.opening) < SAME_OPENING and apart < SAME_PLACE)
+
+
+def _saddle(
+    energy: Energy, guide: Guide, path: Path, openings: np.ndarray, top: int
+) -> tuple[np.ndarray, float, bool] | None:
+    """The state between the neighbors of the highest one at which the load on the opening changes its sign."""
+    minimizer = Minimizer(energy, rows=rigid_rows(guide), toward=guide.deployed - guide.flat)
+    start = path.points[top]
+    found = [minimizer.solve(start, Loading(opening=openings[top]))]
+
+    def load(asked: float) -> float:
+        found[0] = minimizer.solve(found[0].points, Loading(opening=asked))
+        return STIFFNESS * (asked - mean_opening(energy, found[0].points))
+
+    ends = openings[top - 1], openings[top + 1]
+    if not load(ends[0]) > 0 > load(ends[1]):
+        return None
+    load(openings[top])
+    brentq(load, *ends, xtol=1e-13, rtol=1e-13)
+    state = found[0]
+    return state.points, state.energy, bool(state.is_converged and minimizer.is_saddle(state.points))

@@ -1,0 +1,176 @@
+"""The verdict: what a sheet does between flat and deployed, in one sentence with its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from kirisurf.deployment.energy import Energy
+from kirisurf.deployment.guide import Guide
+from kirisurf.deployment.kinematics import is_rigid, most_strained
+from kirisurf.deployment.path import Path, PathStatus, ShouldStop
+from kirisurf.deployment.stability import Barrier, Minimum, find_barriers, find_minima
+
+ADMISSIBLE = 0.25
+"""Largest strain of a rod on the way, above which a sheet is said to need strain, whatever it does afterwards."""
+
+OPEN = 0.5
+"""Part of its opening from which on a state in which a sheet rests counts as open."""
+
+
+class Kind(Enum):
+    """What a sheet does, in the words of the verdict."""
+
+    FREE = "deploys freely"
+    BISTABLE = "snaps over a barrier and stays"
+    MULTISTABLE = "rests in several states"
+    SPRINGS_BACK = "springs back"
+    STRAINED = "needs strain"
+    UNKNOWN = "was not followed to the end"
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What a sheet does for one lambda.
+
+    Attributes
+    ----------
+    kind : Kind
+    sentence : str
+    torsion : float
+    minima : tuple of Minimum
+        States in which it rests, by growing opening.
+    barriers : tuple of Barrier
+        Between neighbors among them.
+    largest_strain : float
+        On the way.
+    strained_tiles : tuple of int
+        Those strained most, worst first.
+    n_mechanisms : int
+        Of the deployed sheet.
+    rigid : bool
+        Rigid tiles lead from flat to deployed.
+    """
+
+    kind: Kind
+    sentence: str
+    torsion: float
+    minima: tuple[Minimum, ...]
+    barriers: tuple[Barrier, ...]
+    largest_strain: float
+    strained_tiles: tuple[int, ...]
+    n_mechanisms: int
+    rigid: bool
+
+    @property
+    def barrier(self) -> float | None:
+        """Highest barrier on the way from flat to the most open state; None where there is no such state."""
+        heights = [b.energy for b in self.barriers]
+        return max(heights) - self.minima[0].energy if heights else None
+
+
+def judge(
+    energy: Energy,
+    guide: Guide,
+    path: Path,
+    still: Path,
+    mechanisms: int,
+    admissible: float = ADMISSIBLE,
+    should_stop: ShouldStop | None = None,
+) -> Verdict:
+    """Return the verdict on a path.
+
+    Parameters
+    ----------
+    energy : Energy
+        That of the path.
+    guide : Guide
+    path : Path
+    still : Path
+        The free path without torsion, on which rigid tiles are seen as such.
+    mechanisms : int
+        Of the deployed sheet.
+    admissible : float
+        Strain up to which tiles may be strained on the way.
+    should_stop : callable, optional
+        True ends the search for states in which the sheet rests.
+    """
+    strain, tiles = most_strained(path)
+    rigid = is_rigid(still) and still.status is PathStatus.COMPLETE
+    if path.status is PathStatus.INTERRUPTED:
+        sentence = f"Was not followed to the end: {len(path.fractions)} states were found."
+        return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, mechanisms, rigid)
+    minima = find_minima(energy, guide, path, should_stop)
+    barriers = find_barriers(energy, guide, path, minima)
+    kind = _kind(energy, path, minima, strain, admissible, rigid)
+    if kind is Kind.FREE:
+        barriers = ()
+    sentence = _sentence(kind, path, still, minima, barriers, strain, tiles, mechanisms, rigid, admissible)
+    return Verdict(kind, sentence, energy.torsion, minima, barriers, strain, tiles, mechanisms, rigid)
+
+
+def _kind(
+    energy: Energy, path: Path, minima: tuple[Minimum, ...], strain: float, admissible: float, rigid: bool
+) -> Kind:
+    if energy.torsion == 0 and rigid and path.drive == "free":
+        return Kind.FREE
+    if strain > admissible:
+        return Kind.STRAINED
+    if len(minima) > 2:
+        return Kind.MULTISTABLE
+    return Kind.BISTABLE if any(m.fraction >= OPEN for m in minima) else Kind.SPRINGS_BACK
+
+
+def _sentence(
+    kind: Kind,
+    path: Path,
+    still: Path,
+    minima: tuple[Minimum, ...],
+    barriers: tuple[Barrier, ...],
+    strain: float,
+    tiles: tuple[int, ...],
+    mechanisms: int,
+    rigid: bool,
+    admissible: float,
+) -> str:
+    named = f"{'tile' if len(tiles) == 1 else 'tiles'} {', '.join(map(str, tiles))}"
+    on_way = f"on the way tiles strain by up to {_percent(strain)}, most in {named}"
+    lifted = f"held at the shape it stores an energy of {path.energies[-1]:.2g}"
+    if kind is Kind.FREE:
+        steps = f"at most {still.moves.max(initial=0.0):.2g} tile edges apart"
+        ways = "1 mechanism" if mechanisms == 1 else f"{mechanisms} mechanisms"
+        text = (
+            f"Deploys freely: rigid tiles lead from flat to shape in {len(still.fractions)} states {steps}, "
+            f"none strained by more than {still.largest_strains.max():.0e}; the deployed sheet has {ways}."
+        )
+    elif kind is Kind.STRAINED:
+        over = f"more than the admissible {_percent(admissible)}"
+        text = f"Needs {_percent(strain)} strain in {named}, {over}; {_rests(minima, barriers)}."
+    elif kind is Kind.SPRINGS_BACK:
+        way = "rigid tiles lead to the shape without strain" if rigid else on_way
+        text = f"Springs back: let go anywhere it closes; {lifted}, and {way}."
+    elif kind is Kind.BISTABLE:
+        top, last = barriers[-1] if barriers else None, minima[-1]
+        bound = "" if top is None or top.is_saddle else "at most " if path.status is PathStatus.COMPLETE else "about "
+        over = f"a barrier of {bound}{top.opening:.2g}" if top else "no barrier that was found"
+        back = f", and closes over one of {top.closing:.2g}" if top else ""
+        text = f"Snaps over {over} and stays, open to {_percent(last.fraction)} of the shape{back}; {on_way}."
+    else:
+        text = f"Rests in several states: {_rests(minima, barriers)}; {on_way}."
+    if path.status in (PathStatus.UNBALANCED, PathStatus.JUMPED):
+        text += f" {path.status.value}"
+    return text
+
+
+def _rests(minima: tuple[Minimum, ...], barriers: tuple[Barrier, ...]) -> str:
+    at = ", ".join("flat" if m.is_flat else f"open to {_percent(m.fraction)}" for m in minima)
+    tops = ", ".join(f"{b.opening:.2g}" for b in barriers)
+    kinds = "a barrier" if len(barriers) == 1 else "barriers"
+    return f"it rests {at}" + (f", behind {kinds} of {tops}" if barriers else "")
+
+
+def _percent(part: float) -> str:
+    digits = 0 if part >= 0.1 else int(np.clip(1 - np.floor(np.log10(max(part, 1e-12) * 100)), 0, 6))
+    return f"{100 * part:.{digits}f} %"
