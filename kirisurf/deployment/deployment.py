@@ -22,6 +22,7 @@ from kirisurf.deployment.path import Path, PathStatus, Progress, ShouldStop
 from kirisurf.deployment.stability import transition_torsion
 from kirisurf.deployment.verdict import ADMISSIBLE, Verdict, judge
 from kirisurf.errors import ParameterError, UnusableError
+from kirisurf.one_thread import on_one_thread
 from kirisurf.runs import Run
 from kirisurf.tessellation import Tessellation
 
@@ -73,6 +74,7 @@ class Deployment:
         return all(path.status is not PathStatus.INTERRUPTED for path in self.paths)
 
 
+@on_one_thread
 def deploy(
     tessellation: Tessellation,
     contracted: ArrayLike,
