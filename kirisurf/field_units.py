@@ -33,6 +33,7 @@ _POWERS: Mapping[str, int | str] = MappingProxyType(
                 "residual_ring",
                 "opening_angle",
                 "opening_angle_mean",
+                "hinge_opening",
                 "corner_angle_min",
                 "corner_angle_max",
                 "tile_angle_deviation",

@@ -17,6 +17,7 @@ from kirisurf.judging import patch_points
 from kirisurf.runs import Run
 from kirisurf.runs.table import curvature_rows
 from kirisurf.spec import FitSpec
+from kirisurf.spec_words import shown_options
 from kirisurf.surface import Surface
 from kirisurf.targets import loaded
 from kirisurf.tessellation import Tessellation
@@ -44,9 +45,6 @@ FIGURE, MAP, PANEL = ((1280, 1000), 36.0), ((960, 780), 26.0), (((1040, 840), 36
 row, and of one panel of two or of more."""
 
 REPORT, THUMBNAIL = "report.html", "thumbnail.png"
-SHOWN_OPTIONS = ("tessellation", "cells", "tiles", "closeness")
-"""Options that a report names even where they are the usual ones."""
-
 PATCH_POINTS = 9
 """Points along every side of a hole's curved patch in a picture."""
 
@@ -190,20 +188,9 @@ def report_parts(
         history=tuple(result["history"]),
         sheet_size=(width, height),
         no_pictures=no_pictures,
-        spec={} if spec is None else _options(spec),
+        spec={} if spec is None else shown_options(spec),
         seconds=dict(result.get("seconds") or {}),
     )
-
-
-def _options(spec: FitSpec) -> dict[str, Any]:
-    """The options of a fit that are not the usual ones, and `SHOWN_OPTIONS`; not the target, which may be a path."""
-    usual = FitSpec(target=spec.target).as_dict()
-    return {
-        # of a file its name: a report is mailed, the folders of its writer are not
-        name: Path(value).name if isinstance(value, str) else value
-        for name, value in spec.as_dict().items()
-        if name != "target" and value is not None and (name in SHOWN_OPTIONS or value != usual.get(name))
-    }
 
 
 def write_thumbnail(tessellation: Tessellation, points: np.ndarray, path: Path) -> Path:
@@ -238,6 +225,13 @@ def write_batch_report(summary: Mapping[str, Any], folder: Path, path: Path) -> 
                 pictures[item["name"]] = (folder / item["folder"] / THUMBNAIL).read_bytes()
     write_text(path, batch_page(summary, pictures))
     return path
+
+
+def deployment_viewer() -> Any:
+    """Return the module that draws paths from flat to deployed, :mod:`viewers.figures_deployment`."""
+    import viewers.figures_deployment as found
+
+    return found
 
 
 def numbers_of(parts: Sequence[ReportParts]) -> dict[str, Any]:

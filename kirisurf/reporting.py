@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kirisurf.deploying import FIGURE, FOLDER, read_deployment
 from kirisurf.errors import ParameterError
 from kirisurf.publishing import (
     PICTURES,
@@ -105,7 +106,9 @@ def run_parts(run: Run, scratch: Path | None = None, title: str = "") -> ReportP
         drawn, problem = draw_pictures(run_sheet(run), _made(scratch / "missing"), missing) if missing else ({}, "")
         found = {**pictures, **drawn}
         pictures, reason = {name: found[name] for name in PICTURES if name in found}, problem or reason
-    return report_parts(run.result, run.contracted, run.fields, pictures, reason, title, run.spec)
+    parts = report_parts(run.result, run.contracted, run.fields, pictures, reason, title, run.spec)
+    way, figure = read_deployment(run), run.folder / FOLDER / FIGURE
+    return replace(parts, deployment=way, deployment_picture=figure if figure.is_file() else None)
 
 
 def compared_parts(runs: Sequence[Run], titles: Sequence[str], scratch: Path | None = None) -> list[ReportParts]:

@@ -29,6 +29,7 @@ FIGURES: Mapping[str, tuple[Wanted, ...]] = MappingProxyType(
             _wanted("anvil", 6, SQUARE),
             _wanted("rect", 6, "rectangle"),
         ),
+        "fig3": (_wanted("circle", 4, SQUARE),),
         # negative, positive, mixed and sharply changing curvature; the last has no published rectangle
         "fig4": (
             _wanted("hypar", 6, "rectangle"),

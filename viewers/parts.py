@@ -47,6 +47,10 @@ class ReportParts:
         The options of the fit.
     seconds : mapping of str to float
         Shown where runs are compared: the same design gives the same report, whatever the time it took.
+    deployment : mapping or None
+        What is known of the way from flat to deployed, as in deployment.json.
+    deployment_picture : path or None
+        Its figure.
     """
 
     title: str
@@ -68,6 +72,8 @@ class ReportParts:
     planar: bool | None = None
     spec: Mapping[str, Any] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
+    deployment: Mapping[str, Any] | None = None
+    deployment_picture: Path | None = None
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,7 @@ def report_html(parts: ReportParts) -> str:
         residence_chart=_residence(numbers),
         residence_picture=_picture(pictures, "residence", captions),
         residuals_picture=_picture(pictures, "residuals", captions),
+        deployment_picture=_deployment_picture(parts),
         distance_picture=_picture(pictures, "distance", captions),
         distance_range=_range_words(numbers["maps"].get("distance")),
         distance_rows=[] if planar else distance,
@@ -115,6 +116,11 @@ def _captions(parts: ReportParts, planar: bool) -> dict[str, str]:
 
 def _picture(pictures: Mapping[str, Path], name: str, captions: Mapping[str, str]) -> Picture | None:
     return embed(name, Path(pictures[name]), captions.get(name, "")) if name in pictures else None
+
+
+def _deployment_picture(parts: ReportParts) -> Picture | None:
+    file, words = parts.deployment_picture, "Energy between the flat and the deployed sheet, with the sheet on its way"
+    return None if file is None or parts.deployment is None else embed("deployment", file, words)
 
 
 def _sheet_pictures(pictures: Mapping[str, Path], captions: Mapping[str, str]) -> list[tuple[Picture, str, bool]]:

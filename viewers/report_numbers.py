@@ -60,6 +60,7 @@ def report_numbers(parts: ReportParts) -> dict[str, Any]:
         "feasibility": result.get("feasibility"),
         "versions": dict(result.get("versions") or {}),
         "history": [dict(step) for step in parts.history],
+        "deployment": _deployment(parts),
     }
     found["rigid"] = max((abs(v) for n in RIGID if (v := parts.certificate.get(n)) is not None), default=None)
     if not planar:
@@ -72,6 +73,13 @@ def report_numbers(parts: ReportParts) -> dict[str, Any]:
         }
     found["maps"] = _maps(parts, planar)
     return {key: value for key, value in found.items() if value is not None}
+
+
+def _deployment(parts: ReportParts) -> dict[str, Any] | None:
+    """Return the way from flat to deployed, without what is of its files."""
+    left_out = ("files", "versions", "key", "run", "seconds")
+    found = parts.deployment
+    return None if found is None else {key: value for key, value in found.items() if key not in left_out}
 
 
 def curvature_numbers(parts: ReportParts) -> dict[str, Any] | None:

@@ -15,6 +15,7 @@ from kirisurf.loops import Loops
 from kirisurf.surface import Surface
 from viewers.fields import Field, describe_field
 from viewers.framing import FROM_ABOVE, View, choose_view
+from viewers.way import Way
 
 _OF_CURVATURE = ("angle_defect", "gauss_image_area", "angle_excess")
 """Fields of curvature that are called otherwise."""
@@ -40,6 +41,8 @@ class Sheet:
     possible_stretch : (float, float) or None
         Least and most that the tessellation has to give.
     units, name : str
+    way : Way or None
+        Computed states between contracted and deployed.
     """
 
     tiles: Loops
@@ -53,6 +56,7 @@ class Sheet:
     possible_stretch: tuple[float, float] | None = None
     units: str = "unit"
     name: str = "design"
+    way: Way | None = None
 
     @property
     def is_planar(self) -> bool:

@@ -13,7 +13,7 @@ import threading
 import traceback
 from collections.abc import Sequence
 
-from kirisurf.cli import audit, batch, curvature, demo, export, fit, report, reproduce, samples, view
+from kirisurf.cli import audit, batch, curvature, demo, deploy, export, fit, report, reproduce, samples, view
 from kirisurf.cli.output import Outcome, Output, prepare_streams
 from kirisurf.cli.parser import Parser, add_common
 from kirisurf.cli.rooms import check_rooms
@@ -44,7 +44,7 @@ def build_parser() -> Parser:
     parser.add_argument("--version", action="store_true", help="print the version and end")
     add_common(parser)
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands", parser_class=Parser)
-    for module in (demo, fit, audit, curvature, report, view, export, batch, reproduce, samples):
+    for module in (demo, fit, audit, curvature, deploy, report, view, export, batch, reproduce, samples):
         module.add(commands)
     return parser
 

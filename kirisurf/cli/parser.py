@@ -12,9 +12,6 @@ from kirisurf.errors import ParameterError
 
 T = TypeVar("T")
 
-# Named by the interface, built by later versions; not listed, for what is listed has to work.
-LATER_COMMANDS = ("deploy",)
-
 
 class Parser(argparse.ArgumentParser):
     """An argument parser that raises instead of ending the process, and never guesses an option."""
@@ -35,8 +32,6 @@ def _reworded(message: str) -> str:
     if match := re.fullmatch(r"unrecognized arguments: (.*)", message):
         return f"expected known options and no more arguments, got {match[1]}"
     if match := re.fullmatch(r"argument (\w+): invalid choice: '(.*)' \(choose from (.*)\)", message, re.DOTALL):
-        if match[2] in LATER_COMMANDS:
-            return f"kirisurf {match[2]} is not available in this version"
         choices = re.findall(r"[\w-]+", match[3])
         near = difflib.get_close_matches(match[2], choices, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""

@@ -12,7 +12,7 @@ from kirisurf.published import LARGEST
 from kirisurf.spec import CLOSENESS
 
 PUBLISHED = "published"
-FIGURES = ("fig1", "fig2", "fig2a", "fig2b", "fig2c", "fig4")
+FIGURES = ("fig1", "fig2", "fig2a", "fig2b", "fig2c", "fig3", "fig4")
 LARGEST_OF = ("fig2c", "fig2")
 KINDS = ("2d", "3d")
 
@@ -28,6 +28,8 @@ Makes again what Choi, Dudte and Mahadevan published (Nature Materials 18, 999-1
   fig2a      squares that open into a disc and into an egg
   fig2b      outlines of mixed and of zero curvature, from rectangles
   fig2c      circling the square: how the boundary layer shrinks with the number of tiles
+  fig3       Fig. 3a: the energy of a square that opens into a disc, at several stiffnesses lambda of its slits; the
+             lambda above which it no longer rests open by itself is found, and stated
   fig4       sheets that open into surfaces, with the curvature of their holes: a rectangle into the hyperbolic
              paraboloid, squares into the paraboloid and into peaks, and a sheet with a free rim into a hat
 

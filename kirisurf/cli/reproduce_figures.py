@@ -80,6 +80,8 @@ def _made(what: str, folder: Path, arguments: argparse.Namespace, output: Output
         return _first(folder, output)
     if what == "fig2c":
         return _accuracy(folder, arguments.largest or LARGEST, arguments.jobs, output)
+    if what == "fig3":
+        return _snapping(folder, output)
     if what == "fig4":
         return _curved(folder, output)
     from kirisurf.formats.atomic import write_bytes
@@ -144,6 +146,32 @@ def _accuracy(folder: Path, largest: int, jobs: int, output: Output) -> _Made:
     if panels:
         write_bytes(folder / "fig2c_sheets.png", planar_figure(panels, 3, "Squares that open into the circle"))
     return _Made(results, pictures, beside)
+
+
+def _snapping(folder: Path, output: Output) -> _Made:
+    """Fig. 3a: energy between flat and deployed, at lambdas round the one at which the open state is lost."""
+    from kirisurf.deployment_pictures import picture
+    from kirisurf.deployment_tables import deployment_csv, deployment_record
+    from kirisurf.formats.atomic import write_bytes, write_text
+    from kirisurf.reproducing_deployment import snapping
+
+    (wanted,) = FIGURES["fig3"]
+    result, design = reproduced(wanted)
+    output.message(sentence(result))
+    if design is None:
+        _write(folder, "fig3", [result], {})
+        return _Made([result], [])
+    found = snapping(design)
+    beside = {"transition_lambda": found.transition}
+    _write(folder, "fig3", [result], {**beside, "deployment": deployment_record(found.deployment, found.collisions)})
+    write_text(folder / "fig3_paths.csv", deployment_csv(found.deployment, found.collisions))
+    for verdict_of_path in found.deployment.verdicts:
+        output.message(f"lambda {verdict_of_path.torsion:.3g}: {verdict_of_path.sentence}")
+    output.message(f"it rests open by itself up to lambda {found.transition:.3g}")
+    title, drawn = "A square that opens into a disc: energy between flat and deployed", folder / "fig3.png"
+    ends = design.tessellation, design.deployed_points
+    write_bytes(drawn, picture(*ends, found.deployment, found.collisions, title))
+    return _Made([result], [drawn], beside)
 
 
 def _curved(folder: Path, output: Output) -> _Made:

@@ -17,6 +17,7 @@ from kirisurf.states import Step
 from kirisurf.status import Status
 from kirisurf.targets import is_outline_name, is_sample, loaded, resolved, target_name
 from kirisurf.topology import require_disk
+from viewers.way import Way
 from viewers.workbench.events import Certified, Fitted, Shape
 from viewers.workbench.results import Results
 from viewers.workbench.state import State
@@ -61,7 +62,7 @@ def opened_run(folder: str) -> tuple[State, Results]:
 
     run = read_run(folder)
     spec = _with_target(run)
-    sheet = run_sheet(run)
+    sheet = replace(run_sheet(run), way=_way(run))
     beside = run.result["certificate_beside"]
     shape = Shape(sheet.tiles, sheet.holes, sheet.deployed, run.tessellation.contracted)
     fitted = Fitted(
@@ -121,6 +122,14 @@ def open_any(name: str, **options: Any) -> tuple[State, Results]:
         return opened_target(name, **options)
     state, results = opened_run(name)
     return (state.with_spec(state.spec.changed(**options)) if options else state), results
+
+
+def _way(run: Run) -> Way | None:
+    """The way from flat to deployed, where it was computed."""
+    from kirisurf.deploying import read_way
+
+    found = read_way(run)
+    return None if found is None else Way(*found)
 
 
 def _with_target(run: Run) -> FitSpec:

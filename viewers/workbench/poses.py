@@ -51,9 +51,11 @@ class Poses:
         return Interpolation.between(self.sheet.tiles, self.flat, self.sheet.deployed)
 
     def at(self, share: float) -> Float[np.ndarray, "n 3"]:
-        """Vertices at a share of the deployment."""
+        """Vertices at a share of the deployment: on the computed path, where there is one, else interpolated."""
         if share >= 1.0:
             return self.sheet.deployed
+        if self.sheet.way is not None:
+            return self.sheet.way.at(share)
         return self.flat if share <= 0.0 else self.interpolation.at(share)
 
     def pattern(self, shape: Shape) -> Float[np.ndarray, "n 3"] | None:

@@ -195,7 +195,8 @@ def _picked(selection: Selection | None, sheet: Sheet, points: np.ndarray) -> li
 
 def _title(state: State, sheet: Sheet, found: Field | None) -> tuple[str, str]:
     if 0.0 < state.share < 1.0:
-        return f"Interpolated: {100 * state.share:.0f} % of the way", INTERPOLATED
+        part = f"{100 * state.share:.0f} % of the way"
+        return (f"Interpolated: {part}", INTERPOLATED) if sheet.way is None else (f"Opening: {part}", sheet.way.words)
     title = "Deployed" if state.share else "Contracted"
     note = f"{len(sheet.tiles)} tiles, {len(sheet.holes)} holes"
     if found is not None and found.where == "hole" and np.isnan(found.values).any():
@@ -225,6 +226,7 @@ def _frame(results: Results, poses: Poses | None) -> np.ndarray:
     parts = [] if results.target is None else [results.target.vertices]
     if poses is not None:
         parts += [poses.sheet.deployed, poses.flat]
+        parts += [] if poses.sheet.way is None else [poses.sheet.way.states.reshape(-1, 3)]
     return frozen(np.vstack(parts)) if parts else frozen(np.zeros((0, 3)))
 
 

@@ -7,6 +7,7 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import kirisurf.cli as cli
@@ -58,7 +59,7 @@ def test_a_published_configuration_is_made_certified_and_tabled(
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["fig9"], 2, "WHAT: expected one of published, fig1, fig2, fig2a, fig2b, fig2c, fig4, got 'fig9'"),
+        (["fig9"], 2, "WHAT: expected one of published, fig1, fig2, fig2a, fig2b, fig2c, fig3, fig4, got 'fig9'"),
         (["published", "--only", "4d"], 2, "--only: expected one of 2d, 3d, got '4d'"),
         (["published", "--match", "moon"], 2, "--match: expected a part of a name such as hexagon_anvil"),
         (["published", "--closeness", "near"], 2, "--closeness: expected one of best, exact, got 'near'"),
@@ -82,7 +83,7 @@ def test_a_mistake_is_refused_before_anything_is_written(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("what", ["published", "fig1", "fig2", "fig2a", "fig2c", "fig4"])
+@pytest.mark.parametrize("what", ["published", "fig1", "fig2", "fig2a", "fig2c", "fig3", "fig4"])
 def test_a_folder_that_cannot_be_written_is_told_before_all_work(what: str, tmp_path: Path, capsys: Captured) -> None:
     (tmp_path / "file").write_text("mine")
     assert cli.main(["reproduce", what, "-o", str(tmp_path / "file")]) == 7
@@ -197,3 +198,30 @@ def test_flat_sheets_open_into_surfaces_of_every_curvature(
         assert float(row["contracted_boundary"]) <= 1e-9 and float(row["rigid"]) <= 1e-9
         assert float(row["distance_rms"]) < 0.1
     assert all((folder / f"fig4_{wanted.spec.target}.png").stat().st_size > 20000 for wanted in chosen)
+
+
+@pytest.mark.slow
+def test_a_square_that_opens_into_a_disc_is_bistable_up_to_a_stiffness(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Captured
+) -> None:
+    """Fig. 3a: below the lambda that is stated the energy has a second minimum behind a barrier, above it none."""
+    from kirisurf.reproducing_figures import FIGURES
+
+    (wanted,) = FIGURES["fig3"]
+    small = Wanted(wanted.name, wanted.spec.changed(cells=(2, 2)))
+    monkeypatch.setattr("kirisurf.cli.reproduce_figures.FIGURES", {"fig3": (small,)})
+    folder = tmp_path / "made"
+    assert cli.main(["reproduce", "fig3", "-o", str(folder)]) == 0
+    out, err = capsys.readouterr()
+    assert out.strip() == str(folder / "fig3.png") and "rests open by itself up to lambda" in err
+    record = json.loads((folder / "fig3.json").read_text())
+    transition = record["transition_lambda"]
+    rows = list(csv.DictReader((folder / "fig3_paths.csv").read_text().splitlines()))
+    seen = {}
+    for torsion in dict.fromkeys(float(row["lambda"]) for row in rows):
+        energies = np.array([float(row["energy"]) for row in rows if float(row["lambda"]) == torsion])
+        rises = np.sign(np.diff(energies[1:]))
+        seen[torsion / transition] = int((np.diff(rises) != 0).sum()) if torsion else len(energies)
+    assert [round(share, 6) for share in seen] == [0.0, 0.5, 1.0, 2.0]
+    # up, over the barrier, down, and up again behind the second minimum
+    assert seen[0.5] == 2 and seen[2.0] == 0

@@ -93,7 +93,7 @@ def add_actions(bench: Workbench) -> dict[str, Any]:
         (
             "deployment",
             "Deployment \u2026",
-            "Write an animation between the two states (interpolated) as GIF",
+            "Write an animation of the opening as GIF (on the computed path, else interpolated)",
             save_deployment,
             "",
         ),

@@ -1,0 +1,229 @@
+"""From a run to its deployment as files: table, record, figure, time series and film, in a folder of its own.
+
+The folder lies in the run's by default, and is no part of it: the hashes of the run stay as they are. It is written
+as a run folder is, all files together or none, and names the run's states by their hashes, so that the deployment of
+a run that was made anew does not pass for its.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from kirisurf.arrays import frozen
+from kirisurf.deployment import Deployment, deploy_run
+from kirisurf.deployment.deployment import STEPS, TORSIONS
+from kirisurf.deployment.drive import DRIVES, checked_trajectory
+from kirisurf.deployment.energy import checked_torsion
+from kirisurf.deployment_pictures import film, picture
+from kirisurf.deployment_tables import deployment_csv, deployment_record
+from kirisurf.errors import KirisurfError, ParameterError, UnreadableError
+from kirisurf.exporting_deployment import write_deployment_series
+from kirisurf.formats import read_polygons
+from kirisurf.formats.atomic import write_bytes, write_text
+from kirisurf.formats.pieces import pieces_folder
+from kirisurf.judging import path_collisions
+from kirisurf.one_thread import on_one_thread
+from kirisurf.runs import Run, RunFolder
+from kirisurf.runs.record import json_text, sha256, versions
+
+if TYPE_CHECKING:
+    from analysis.collision_path import PathCollisions
+
+FOLDER, RECORD = "deployment", "deployment.json"
+TABLE, FIGURE, SERIES, FILM = "deployment.csv", "deployment.png", "deployment.pvd", "deployment.gif"
+_STATES = ("deployed.obj", "contracted.obj")
+
+Stage = Callable[[str], None]
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class DeployedRun:
+    """A run with its way from flat to deployed.
+
+    Attributes
+    ----------
+    run : Run
+    deployment : Deployment
+    collisions : tuple of PathCollisions
+        Of every path.
+    options : mapping
+        What was asked for: torsion, steps, drive, trajectory, thickness, slit_width.
+    seconds : float
+    """
+
+    run: Run
+    deployment: Deployment
+    collisions: tuple[PathCollisions, ...]
+    options: Mapping[str, Any]
+    seconds: float
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What was found, as `deployment.json` has it."""
+        return {
+            "run": self.run.name,
+            "key": _key(self.run),
+            "units": self.run.result["units"],
+            "options": dict(self.options),
+            **deployment_record(self.deployment, self.collisions),
+            "seconds": self.seconds,
+        }
+
+
+def checked_options(
+    torsion: Sequence[float] = TORSIONS,
+    steps: int = STEPS,
+    drive: str = "free",
+    trajectory: str = "turning",
+    thickness: float = 0.0,
+) -> dict[str, Any]:
+    """Return the options of a deployment, those of lambda once each, in the order given.
+
+    Raises
+    ------
+    ParameterError
+        Where one is out of its range.
+    """
+    values = list(dict.fromkeys(checked_torsion(float(value)) for value in torsion))
+    if not values:
+        raise ParameterError("lambda: expected at least one number, got none")
+    if isinstance(steps, bool) or not isinstance(steps, int) or not 2 <= steps <= 100_000:
+        raise ParameterError(f"steps: expected a whole number from 2 to 100000, got {steps!r}")
+    if drive not in DRIVES:
+        raise ParameterError(f"drive: expected one of {', '.join(DRIVES)}, got {drive!r}")
+    if not (np.isfinite(thickness) and thickness >= 0):
+        raise ParameterError(f"thickness: expected a number of at least 0, got {thickness}")
+    named = {"torsion": values, "steps": steps, "drive": drive}
+    return {**named, "trajectory": checked_trajectory(trajectory), "thickness": float(thickness)}
+
+
+@on_one_thread
+def deploy_with_collisions(
+    run: Run, *, progress: Progress | None = None, stage: Stage = lambda name: None, **options: Any
+) -> DeployedRun:
+    """Follow the sheet of a run from flat to deployed, and look for tiles that collide on the way.
+
+    Parameters
+    ----------
+    run : Run
+    progress : callable, optional
+        Told the number of the state and of all states.
+    stage : callable
+        Receives the name of what is done next.
+    **options
+        As for :func:`checked_options`.
+
+    Raises
+    ------
+    ParameterError
+        Where an option is out of its range.
+    UnusableError
+        Where the run has no certificate, or its tiles differ in shape between the two states.
+    """
+    began = time.perf_counter()
+    asked = checked_options(**options)
+    slit_width = float(run.result["kerf"])
+    way = {name: asked[name] for name in ("torsion", "steps", "drive", "trajectory")}
+    tiles = run.tessellation.tiles
+    # what is wrong with the thickness is told before all work
+    path_collisions([run.deployed], tiles, np.zeros(1), asked["thickness"], slit_width)
+    stage("following the path")
+    found = deploy_run(run, **way, progress=progress)
+    stage("looking for collisions")
+    met = tuple(
+        path_collisions(list(path.points), tiles, path.fractions, asked["thickness"], slit_width)
+        for path in found.paths
+    )
+    return DeployedRun(run, found, met, {**asked, "slit_width": slit_width}, time.perf_counter() - began)
+
+
+def deployment_folder(run: Run, path: str | os.PathLike[str] | None = None) -> RunFolder:
+    """Return the folder that a deployment is written into, to be entered: by default `deployment` in that of the run.
+
+    An earlier deployment there is replaced.
+    """
+    return RunFolder(run.folder / FOLDER if path is None else path, overwrite=True, record=RECORD)
+
+
+def save_deployment(
+    found: DeployedRun, folder: RunFolder, *, animation: bool = True, stage: Stage = lambda name: None
+) -> Path:
+    """Write all files into an open folder and commit it; return its path.
+
+    Raises
+    ------
+    OutputError
+        Where a file cannot be written; the folder is then as it was.
+    """
+    to, run, deployment = folder.staging, found.run, found.deployment
+    stage("writing")
+    write_text(to / TABLE, deployment_csv(deployment, found.collisions))
+    write_deployment_series(run, deployment, deployment.paths[0], to / SERIES)
+    stage("drawing")
+    title = f"{run.result['target']['name']}: energy between flat and deployed"
+    write_bytes(to / FIGURE, picture(run.tessellation, run.deployed, deployment, found.collisions, title))
+    if animation:
+        stage("animating")
+        write_bytes(to / FILM, film(run.tessellation, run.deployed, deployment, deployment.paths[0]))
+    names = sorted(entry.relative_to(to).as_posix() for entry in to.rglob("*") if entry.is_file())
+    files = {name: sha256(to / name) for name in names}
+    write_text(to / RECORD, json_text({**found.record, "versions": versions(), "files": files}))
+    folder.commit()
+    return folder.path
+
+
+def read_deployment(run: Run, path: str | os.PathLike[str] | None = None) -> dict[str, Any] | None:
+    """Return the record of a run's deployment; None where there is none, or that of another state of the run.
+
+    Raises
+    ------
+    UnreadableError
+        Where there is a record that cannot be read.
+    """
+    file = Path(path or run.folder / FOLDER) / RECORD
+    try:
+        record = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as problem:
+        raise UnreadableError(f"{file}: expected the record of a deployment, got {problem}") from None
+    if not isinstance(record, dict) or not isinstance(record.get("paths"), list):
+        raise UnreadableError(f"{file}: expected the record of a deployment, got another file")
+    return record if record.get("key") == _key(run) else None
+
+
+def read_way(run: Run) -> tuple[Float[np.ndarray, "k n 3"], float, str] | None:
+    """Return the states of the first path in a run's deployment, its lambda and its drive.
+
+    None where there is no deployment of the run, or one whose files are gone or have changed: who looks at a run must
+    not be kept from it.
+    """
+    folder = run.folder / FOLDER
+    try:
+        record = read_deployment(run)
+        if record is None:
+            return None
+        first, files = record["paths"][0], record["files"]
+        states = []
+        for k in range(first["states"]):
+            name = f"{pieces_folder(SERIES).name}/{k:04d}_tiles.vtp"
+            if sha256(folder / name) != files[name]:
+                return None
+            states.append(read_polygons(folder / name)[0])
+        return frozen(np.array(states)), float(first["lambda"]), str(first["drive"])
+    except (KirisurfError, OSError, KeyError, IndexError, TypeError, ValueError):
+        return None
+
+
+def _key(run: Run) -> dict[str, str]:
+    return {name: run.result["files"][name] for name in _STATES}

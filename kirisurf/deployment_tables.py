@@ -1,0 +1,148 @@
+"""A deployment as a table and as a record: plain numbers that read back to the same doubles."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from kirisurf.deployment import Barrier, Deployment, Minimum, Path, Verdict
+from kirisurf.deployment.energy import Energy
+from kirisurf.deployment.loading import mean_opening
+from kirisurf.deployment.path import STRAINLESS
+
+if TYPE_CHECKING:
+    from analysis.collision_path import PathCollisions
+
+COLUMNS = (
+    "lambda",
+    "fraction",
+    "opening",
+    "stretch_energy",
+    "torsion_energy",
+    "energy",
+    "mean_strain",
+    "largest_strain",
+    "collisions",
+    "collision_depth",
+    "residual",
+    "holding",
+)
+"""Of `deployment.csv`, a row for every state of every path."""
+
+_SHOWN_PAIRS = 20
+
+
+def path_rows(path: Path, collisions: PathCollisions) -> list[dict[str, float | int]]:
+    """Return a row for every state of a path, by `COLUMNS`; opening is the mean angle of the slits in radians."""
+    columns = (
+        np.full(len(path.fractions), path.torsion),
+        path.fractions,
+        path.mean_openings,
+        path.stretch_energies,
+        path.torsion_energies,
+        path.energies,
+        path.mean_strains,
+        path.largest_strains,
+        collisions.counts,
+        collisions.depths,
+        path.residuals,
+        path.holding,
+    )
+    return [dict(zip(COLUMNS, row, strict=True)) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+def deployment_csv(deployment: Deployment, collisions: Sequence[PathCollisions]) -> str:
+    """Return the table of all states of all paths, one after the other."""
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for path, met in zip(deployment.paths, collisions, strict=True):
+        writer.writerows(path_rows(path, met))
+    return text.getvalue()
+
+
+def deployment_record(deployment: Deployment, collisions: Sequence[PathCollisions]) -> dict[str, Any]:
+    """Return what a deployment found, without its states."""
+    energy = deployment.energy
+    paths = [
+        _path_record(deployment, path, verdict, met)
+        for path, verdict, met in zip(deployment.paths, deployment.verdicts, collisions, strict=True)
+    ]
+    return {
+        "dimension": energy.dimension,
+        "tiles": energy.n_tiles,
+        "springs": len(energy.rods.stencil),
+        "slit_ends": len(energy.hinges.stencil),
+        "mechanisms": {"flat": deployment.mechanisms[0], "deployed": deployment.mechanisms[1]},
+        "is_rigid": deployment.verdicts[0].rigid,
+        "transition_lambda": deployment.transition,
+        "paths": paths,
+    }
+
+
+def opening_shares(
+    energy: Energy, states: Float[np.ndarray, "k n d"], deployed: Float[np.ndarray, "n d"]
+) -> np.ndarray:
+    """Return the mean opening (k,) of states over that of the deployed one, as minima and barriers are placed."""
+    last = mean_opening(energy, deployed)
+    return np.array([mean_opening(energy, points) for points in states]) / last
+
+
+def real_barriers(verdict: Verdict) -> tuple[Barrier, ...]:
+    """Return the barriers that are more than rounding: along a path without strain there are none."""
+    return tuple(barrier for barrier in verdict.barriers if barrier.opening > STRAINLESS)
+
+
+def _path_record(deployment: Deployment, path: Path, verdict: Verdict, met: PathCollisions) -> dict[str, Any]:
+    barriers = real_barriers(verdict)
+    return {
+        "lambda": path.torsion,
+        "drive": path.drive,
+        "kind": verdict.kind.value,
+        "sentence": verdict.sentence,
+        "status": path.status.name,
+        "status_sentence": path.status.value,
+        "states": len(path.fractions),
+        "barrier": verdict.barrier if barriers else None,
+        "barriers": [_barrier(barrier) for barrier in barriers],
+        "minima": [_minimum(minimum) for minimum in verdict.minima],
+        "energy_deployed": float(path.energies[-1]),
+        "energy_largest": float(path.energies.max()),
+        "largest_strain": verdict.largest_strain,
+        "strained_tiles": list(verdict.strained_tiles),
+        "largest_residual": float(path.residuals.max()),
+        "largest_holding": float(path.holding.max()),
+        "newton_steps": int(path.steps.sum()),
+        "collisions": _collisions(path, met),
+    }
+
+
+def _collisions(path: Path, met: PathCollisions) -> dict[str, Any]:
+    """Return where tiles collide, by parts of the way, and how far the sheet opens free of it, in radians."""
+    free, colliding = met.free_until, np.flatnonzero(met.counts)
+    ends = [] if met.first_contact is None else [0.0 if free is None else free, float(path.fractions[colliding[-1]])]
+    clear = path.mean_openings[met.counts == 0]
+    first = None if met.first_contact is None else met.first_contact.pairs[:_SHOWN_PAIRS].tolist()
+    return {
+        "is_free": met.is_free,
+        "most": int(met.counts.max()),
+        "deepest": float(met.depths.max()),
+        "between": ends or None,
+        "opening_before_first": None if free is None else float(np.interp(free, path.fractions, path.mean_openings)),
+        "widest_free_opening": float(clear.max()) if len(clear) else None,
+        "first_pairs": first,
+    }
+
+
+def _minimum(minimum: Minimum) -> dict[str, Any]:
+    names = ("fraction", "opening", "energy", "largest_strain", "is_flat")
+    return {name: getattr(minimum, name) for name in names}
+
+
+def _barrier(barrier: Barrier) -> dict[str, Any]:
+    return {name: getattr(barrier, name) for name in ("fraction", "energy", "opening", "closing", "is_saddle")}
