@@ -28,6 +28,7 @@ _LEFT, _RIGHT = 0.095, 0.975
 _ROOM = 0.125
 _STRIP, _PANEL, _HEAD, _FOOT = 1.75, 3.0, 1.0, 0.36
 _NOTHING = 1e-12
+_GAP = 0.14
 _MEANING = "E: mean squared strain of the springs in the tiles, plus λ times the mean squared angle of the slits"
 _AXES = {
     "free": "opening: mean angle of the slits, over that of the deployed sheet",
@@ -147,17 +148,24 @@ def _groups(curves: Sequence[Curve]) -> list[list[int]]:
 
 
 def _strip(figure: Figure, sheet: MovingSheet, curve: Curve, rows: Sequence[int], base: float, height: float) -> None:
-    """The sheet on its way, every state above its opening, with the scale of strain at the right."""
+    """The sheet on its way, every state tied to its place, with the scale of strain at the right."""
+    from matplotlib.lines import Line2D
+
     width = (_RIGHT - _LEFT) / (1 + 2 * _ROOM)
     slot = 0.97 * width / max(1, len(rows) - 1)
     size = round(slot * _WIDTH * _DPI), round(0.97 * _STRIP * _DPI)
+    page = figure.get_size_inches()[1]
     for k, row in enumerate(rows):
-        middle = _LEFT + width * (_ROOM + float(np.clip(curve.places[row], -_ROOM, 1 + _ROOM)))
+        share = k / max(1, len(rows) - 1)
+        middle = _LEFT + width * (_ROOM + share)
         axes = figure.add_axes((middle - 0.5 * slot, base, slot, 0.97 * height))
         axes.imshow(np.asarray(sheet.picture(k, size)), interpolation="lanczos")
         axes.set_axis_off()
+        # sheets stand evenly, their places on the curve may not
+        place = _LEFT + width * (_ROOM + float(np.clip(curve.places[row], -_ROOM, 1 + _ROOM)))
+        ends = (middle, place), (base - 0.02 / page, base - _GAP / page)
+        figure.add_artist(Line2D(*ends, color=theme.HAIRLINE, linewidth=0.9))
     words = f"sheet at λ = {_power(curve.torsion)}" + ("" if sheet.is_strained else ", without strain")
-    page = figure.get_size_inches()[1]
     y = base + height + 0.12 / page
     small = {"fontsize": 8.5, "color": theme.MUTED, "va": "center"}
     if not sheet.is_strained:
@@ -188,6 +196,9 @@ def _panel(axes: Axes, curves: Sequence[Curve], numbers: Sequence[int], shown: n
     ends = np.concatenate([curve.places for curve in curves])
     axes.set_xlim(min(-_ROOM, float(ends.min())), max(1 + _ROOM, float(ends.max())))
     axes.set_ylim(-0.04 * top, 1.12 * top)
+    if highest <= _NOTHING:
+        axes.set_yticks([0.0])
+        axes.text(0.5, 0.5, "E = 0 all the way: no tile is strained", ha="center", color=theme.MUTED)
     axes.grid(axis="y", color=theme.HAIRLINE, linewidth=0.6)
     axes.set_axisbelow(True)
     axes.set_xticks(np.linspace(0, 1, 5), ["0", "0.25", "0.5", "0.75", "1"] if axis else [""] * 5)

@@ -97,3 +97,17 @@ def test_the_film_opens_and_closes(moving: MovingSheet) -> None:
         frames.append(np.asarray(film.convert("RGB"), int))
     assert np.abs(frames[1] - frames[3]).max() == 0
     assert (frames[0] != frames[1]).any() and (frames[1] != frames[2]).any()
+
+
+def test_sheets_do_not_cover_each_other_whatever_their_places(moving: MovingSheet) -> None:
+    """States that are close on the curve are drawn as whole as those that are far apart."""
+
+    def strip(places: np.ndarray) -> np.ndarray:
+        found = replace(curve(1.0), places=places)
+        picture = np.asarray(opened(deployment_figure([found], moving, [0, 10, 20], "sheet")).convert("L"), int)
+        return picture[165:400]
+
+    bent = PLACES**0.05
+    bent[0] = 0.0
+    # the palette of the file may differ a little
+    assert (np.abs(strip(PLACES) - strip(bent)) > 20).mean() < 1e-3

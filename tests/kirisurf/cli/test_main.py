@@ -74,7 +74,7 @@ def test_the_version_is_printed(capsys: Captured) -> None:
         (["fit", "nosuch.stl", "-o", "x"], 3, "nosuch.stl"),
         (["fit", "hyparr", "-o", "x"], 3, "did you mean 'hypar'"),
         (["fit", "-o", "x", "--", "-odd.obj"], 3, "-odd.obj"),
-        (["fit", "--spec", "nosuch.toml", "-o", "x"], 3, "expected a spec"),
+        (["fit", "--spec", "nosuch.toml", "-o", "x"], 3, "expected a file that can be read"),
         (["demo", "--sample", "moon"], 2, "--sample: expected one of"),
         (["audit", "a.obj", "b.obj"], 3, "a.obj"),
         (["curvature", "nosuch"], 3, "expected a run folder"),
