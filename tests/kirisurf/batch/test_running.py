@@ -20,6 +20,7 @@ from kirisurf.batch.reading import BatchSpec, read_batch
 from kirisurf.batch.running import Asking, Told, run_batch
 from kirisurf.batch.writing import batch_text
 from kirisurf.errors import OutputError, ParameterError, UnreadableError
+from kirisurf.provenance import inputs, key
 from tests.kirisurf.batch.trees import differences
 
 TEXT = """
@@ -162,6 +163,22 @@ def test_what_is_not_whole_is_made_again(home: Path, spoil: object, is_made: boo
     run(read(home), home / "out", made)
     assert ("hypar--cells-2x2" in made.names) is is_made and "hypar--cells-1x1" not in made.names
     assert changed(home / "before", home / "out") == []
+
+
+def test_a_run_with_pictures_is_kept_where_none_are_asked_for(home: Path) -> None:
+    spec = read(home)
+    result = home / "out" / "runs" / "hypar--cells-2x2" / "result.json"
+    record = json.loads(result.read_text())
+    fit = next(item.spec for item in spec.items if item.name == "hypar--cells-2x2")
+    assert record["provenance"]["key"] == key(fit, inputs(fit), False)
+    record["provenance"]["key"] = key(fit, inputs(fit), True)
+    result.write_text(json.dumps(record))
+    made = Made()
+    run(spec, home / "out", made)
+    assert "hypar--cells-2x2" not in made.names
+    made = Made()
+    run(spec, home / "out", made, Asking(pictures=True))
+    assert "hypar--cells-2x2" not in made.names and "hypar--cells-1x1" in made.names
 
 
 def test_another_option_makes_its_items_again(home: Path) -> None:
