@@ -58,12 +58,18 @@ def on_cluster(address: str, folder: Path) -> Engine:
             "--scheduler: expected Dask distributed, got none: pip install 'kirisurf[cluster]', here and there"
         )
 
+    # asked before anything is handed out, or any summary written
+    client = _connected(address)
+    try:
+        _check_workers(client, folder)
+    except BaseException:
+        client.close(timeout=5)
+        raise
+
     def answers(orders: Sequence[Order]) -> Iterator[tuple[int, Answer]]:
         from distributed import CancelledError, as_completed
 
-        client = _connected(address)
         try:
-            _check_workers(client, folder)
             # an order is its own, whatever another batch may have asked: no two tasks share a key
             mark = uuid.uuid4().hex[:8]
             futures = {

@@ -101,6 +101,7 @@ def test_a_scheduler_that_is_none_is_a_wrong_parameter(
     for address in ("tcp://127.0.0.1:1", "nonsense", "tcp://"):
         assert batch(tmp_path, "out", "--scheduler", address) == 2
         assert "--scheduler: expected the address of a Dask scheduler" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "summary.json").exists()
     assert batch(tmp_path, "out", "--scheduler", "tcp://127.0.0.1:1", "--workers", "2") == 2
 
 
