@@ -37,7 +37,7 @@ def test_a_matrix_with_holes_in_any_order_is_a_wall():
 
 def test_targets_of_one_name_in_different_folders_are_different():
     items = [
-        item(f"{folder}{cells}", target=f"/work/{folder}/roof.stl", options={"tessellation": "quad", "cells": cells})
+        item(f"{folder}{cells}", target=f"/shells/{folder}/roof.stl", options={"tessellation": "quad", "cells": cells})
         for folder in "ab"
         for cells in ("2x2", "4x4")
     ]
@@ -46,7 +46,7 @@ def test_targets_of_one_name_in_different_folders_are_different():
         ("roof.stl", [0, 1]),
         ("roof.stl", [2, 3]),
     ]
-    assert "/work/" not in batch_page(summary(items), {})
+    assert "/shells/" not in batch_page(summary(items), {})
 
 
 @pytest.mark.parametrize(

@@ -86,8 +86,8 @@ def finish(folder: Path, out: Path) -> int:
 
 def kill(process: subprocess.Popen[bytes], victim: str) -> None:
     """Kill the batch, one of its hosts, the run of one, or all of them."""
-    hosts = _children(process.pid)
-    runs = [run for host in hosts for run in _children(host)]
+    hosts = children(process.pid)
+    runs = [run for host in hosts for run in children(host)]
     chosen = {
         "batch": [process.pid],
         "host": hosts[:1],
@@ -101,7 +101,8 @@ def kill(process: subprocess.Popen[bytes], victim: str) -> None:
             continue
 
 
-def _children(process: int) -> list[int]:
+def children(process: int) -> list[int]:
+    """Return the processes that a process started, as far as the system tells."""
     found: list[int] = []
     try:
         for task in Path(f"/proc/{process}/task").iterdir():
