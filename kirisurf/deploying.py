@@ -84,7 +84,7 @@ def checked_options(
     torsion: Sequence[float] = TORSIONS,
     steps: int = STEPS,
     drive: str = "free",
-    trajectory: str = "turning",
+    trajectory: str | None = None,
     thickness: float = 0.0,
 ) -> dict[str, Any]:
     """Return the options of a deployment, those of lambda once each, in the order given.
@@ -104,7 +104,8 @@ def checked_options(
     if not (np.isfinite(thickness) and thickness >= 0):
         raise ParameterError(f"thickness: expected a number of at least 0, got {thickness}")
     named = {"torsion": values, "steps": steps, "drive": drive}
-    return {**named, "trajectory": checked_trajectory(trajectory), "thickness": float(thickness)}
+    named["trajectory"] = None if trajectory is None else checked_trajectory(trajectory)
+    return {**named, "thickness": float(thickness)}
 
 
 @on_one_thread
@@ -144,7 +145,8 @@ def deploy_with_collisions(
         path_collisions(list(path.points), tiles, path.fractions, asked["thickness"], slit_width)
         for path in found.paths
     )
-    return DeployedRun(run, found, met, {**asked, "slit_width": slit_width}, time.perf_counter() - began)
+    options = {**asked, "trajectory": found.trajectory, "slit_width": slit_width}
+    return DeployedRun(run, found, met, options, time.perf_counter() - began)
 
 
 def deployment_folder(run: Run, path: str | os.PathLike[str] | None = None) -> RunFolder:

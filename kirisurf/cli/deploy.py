@@ -58,7 +58,8 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--trajectory",
         metavar="HOW",
-        help="how vertices are moved: turning with their tiles (default) | straight, as in the paper",
+        help="how vertices are moved: turning evenly with their tiles (default in the plane) | rigid, as rigid tiles "
+        "have them (default in space) | straight, as in the paper",
     )
     parser.add_argument(
         "--thickness", metavar="LENGTH", type=number, help="of the sheet, for collisions in space (default: 0)"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirisurf.deployment.drive import checked_trajectory, driven_vertices
+from kirisurf.deployment.drive import checked_trajectory, driven_vertices, usual_trajectory
 from kirisurf.deployment.energy import Energy, checked_torsion, energy_of
 from kirisurf.deployment.following import (
     follow_free_planar,
@@ -53,6 +53,8 @@ class Deployment:
         Motions of first order that strain no tile, at both ends.
     transition : float or None
         lambda above which the sheet no longer rests open by itself; None where it never does, or always.
+    trajectory : str
+        How vertices were moved, if any.
     """
 
     energy: Energy
@@ -62,6 +64,7 @@ class Deployment:
     verdicts: tuple[Verdict, ...]
     mechanisms: tuple[int, int]
     transition: float | None
+    trajectory: str
 
     @property
     def sentence(self) -> str:
@@ -83,7 +86,7 @@ def deploy(
     torsion: float | Sequence[float] = TORSIONS,
     steps: int = STEPS,
     drive: str | Sequence[int] = "free",
-    trajectory: str = "turning",
+    trajectory: str | None = None,
     dimension: int | None = None,
     admissible: float = ADMISSIBLE,
     should_stop: ShouldStop | None = None,
@@ -104,7 +107,8 @@ def deploy(
         free: a load opens the slits and moves no vertex (in space soft supports keep the sheet near the path that
         rigid tiles take); rim, corners: these vertices are moved; or numbers of vertices.
     trajectory : str
-        How vertices are moved: turning with their tiles, or along straight lines, as in the paper.
+        How vertices are moved: turning with their tiles (in the plane, by default), as rigid tiles have them (in
+        space, by default), or along straight lines, as in the paper.
     dimension : int, optional
         2 or 3; by default 2 where the deployed sheet is planar.
     admissible : float
@@ -134,10 +138,10 @@ def deploy(
         raise ParameterError("lambda: expected at least one number, got none")
     if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or not 2 <= steps <= 100_000:
         raise ParameterError(f"steps: expected a whole number from 2 to 100000, got {steps!r}")
-    checked_trajectory(trajectory)
     held = driven_vertices(tessellation, drive if isinstance(drive, str) else np.asarray(drive))
     name = drive if isinstance(drive, str) else "vertices"
     points = _in_dimension(np.asarray(deployed, float), dimension)
+    trajectory = usual_trajectory(points.shape[1]) if trajectory is None else checked_trajectory(trajectory)
     energy = energy_of(tessellation, np.asarray(contracted, float), 0.0, points.shape[1])
     if not len(energy.hinges.stencil):
         raise UnusableError("tessellation: expected slits, got a sheet without: it has nothing to open")
@@ -155,10 +159,12 @@ def deploy(
     still = free(energy, guide, fractions, should_stop, told)
     done += count
     paths = []
+    along = still.fractions if trajectory == "rigid" else fractions
+    places = still.points if trajectory == "rigid" else guide.places(fractions, trajectory == "straight")
     for value in values:
         stiff = energy.with_torsion(value)
         if name != "free":
-            path = follow_held(stiff, guide, held, fractions, trajectory, should_stop, told, name)
+            path = follow_held(stiff, guide, held, along, places, should_stop, told, name)
         elif value == 0:
             paths.append(still)
             continue
@@ -175,7 +181,7 @@ def deploy(
     )
     stopped = any(path.status is PathStatus.INTERRUPTED for path in (still, *paths))
     transition = None if stopped else transition_torsion(energy, guide)
-    return Deployment(energy, guide, tuple(paths), still, verdicts, mechanisms, transition)
+    return Deployment(energy, guide, tuple(paths), still, verdicts, mechanisms, transition, trajectory)
 
 
 def deploy_run(run: Run, **options: object) -> Deployment:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from kirisurf.deployment.guide import Guide
 from kirisurf.errors import ParameterError
 from kirisurf.tessellation import Tessellation
 
 DRIVES = ("free", "rim", "corners")
 """Names of drives: a load on the slits alone; the outer vertices moved; four of them moved."""
 
-TRAJECTORIES = ("turning", "straight")
-"""How moved vertices go from one place to the other: as tiles that turn evenly have them, or along straight lines."""
+TRAJECTORIES = ("turning", "rigid", "straight")
+"""How moved vertices go from one place to the other: as tiles that turn evenly have them, as on the free path without
+torsion, which rigid tiles take where there is such a path, or along straight lines."""
 
 
 def driven_vertices(tessellation: Tessellation, drive: str | np.ndarray) -> Bool[np.ndarray, " n"]:
@@ -73,24 +73,38 @@ def checked_trajectory(trajectory: str) -> str:
     return trajectory
 
 
-def rigid_rows(guide: Guide) -> Float[np.ndarray, "m n d"]:
-    """Return orthonormal measures of the rigid motions of a sheet: held at 0 change, a sheet does not drift.
+def usual_trajectory(dimension: int) -> str:
+    """Return the trajectory where none is asked for: turning in the plane, rigid in space.
 
-    They are the mean place, and the turn that brings the points nearest to the deployed ones: neither resists
-    anything, since the energy does not know them.
+    In the plane a sheet has few motions, and the free path is itself what a moved rim is compared with. In space the
+    rim of tiles that turn evenly strains a sheet that could do without.
     """
-    points = guide.deployed - guide.deployed.mean(axis=0)
-    n, d = points.shape
-    rows = []
-    for i in range(d):
-        row = np.zeros((n, d))
-        row[:, i] = 1.0
-        rows.append(row.ravel())
-        for j in range(i):
-            row = np.zeros((n, d))
-            row[:, i], row[:, j] = -points[:, j], points[:, i]
-            rows.append(row.ravel())
-    return np.linalg.qr(np.stack(rows, axis=1))[0].T.reshape(-1, n, d)
+    return "turning" if dimension == 2 else "rigid"
+
+
+def pinned_coordinates(points: Float[np.ndarray, "n d"]) -> Bool[np.ndarray, "n d"]:
+    """Return the coordinates, 3 in the plane and 6 in space, that hold the rigid motions of a sheet and nothing else.
+
+    All of one vertex, those of a far one across the line between the two, and in space one of a third across the
+    plane of all three: no more than supports that resist nothing, since the energy does not know rigid motions.
+
+    Examples
+    --------
+    >>> pinned_coordinates(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 1.0]])).tolist()
+    [[True, True], [False, False], [False, True]]
+    """
+    _, d = points.shape
+    result = np.zeros(points.shape, bool)
+    away = points - points[0]
+    far = int((away**2).sum(axis=1).argmax())
+    along = int(np.abs(away[far]).argmax())
+    result[0] = True
+    result[far, np.arange(d) != along] = True
+    if d == 3:
+        normals = np.cross(away[far], away)
+        third = int((normals**2).sum(axis=1).argmax())
+        result[third, int(np.abs(normals[third]).argmax())] = True
+    return result
 
 
 def _corners(tessellation: Tessellation) -> list[int]:

@@ -1,4 +1,4 @@
-"""Equilibria: minima of the energy with some vertices held, or with some linear measures of the sheet held."""
+"""Equilibria: minima of the energy of a sheet, free or with some of its vertices held."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from jaxtyping import Bool, Float
 
 from kirisurf.arrays import frozen
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.factor import Factor, numbered
-from kirisurf.deployment.loading import Loaded, Loading, loaded, total_energy
+from kirisurf.deployment.factor import Factor, Factors
+from kirisurf.deployment.guide import nearest_place
+from kirisurf.deployment.loading import Loaded, Loading, loaded
 
 TOLERANCE = 1e-10
 """Largest force on a free vertex at an equilibrium, over that of a rod with strain 1."""
@@ -29,6 +30,9 @@ PUSH = 0.02
 
 REUSED = 0.1
 """A factor serves again after a step that brought the residual below this part of the one before."""
+
+ROUNDING = 1e-13
+"""Part of an energy that rounding may change."""
 
 INVERSE_STEPS = 30
 """Steps of inverse iteration that find the softest direction."""
@@ -62,18 +66,44 @@ class Equilibrium:
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Where a step begins: the rows of what is held, and last, of compliance that is not 0, of what is loaded."""
+    """Where a step begins."""
 
     here: Loaded
     gradient: Float[np.ndarray, " q"]
-    rows: Float[np.ndarray, "m q"]
     residual: float
+
+    @property
+    def total(self) -> float:
+        """The energy that is minimized."""
+        return self.here.total
+
+
+@dataclass(frozen=True, eq=False)
+class _Operator:
+    """Second derivatives of the energy and of its loading, factored: H + s s' / compliance, s the load's slope."""
+
+    factor: Factor
+    slope: Float[np.ndarray, " q"] | None
+    response: Float[np.ndarray, " q"] | None
+    compliance: float
+
+    @property
+    def n_negative(self) -> int:
+        """Negative eigenvalues, by the inertia of the bordered matrix; -1 where the factorization failed."""
+        return self.factor.n_negative - int(self.factor.n_negative >= 0 and self.compliance < 0)
+
+    def solve(self, right: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
+        """Return x with (H + s s' / compliance) x = right."""
+        x = self.factor.solve(right)
+        if self.slope is not None and self.response is not None:
+            x -= self.response * ((self.slope @ x) / self.compliance)
+        return x
 
 
 class Minimizer:
     """Newton's method for one sheet with one kind of support; order and pattern of the matrix are found once.
 
-    minimize E(x)  subject to  x_i = given for held vertices,  rows . x = given
+    minimize E(x)  subject to  x_i = given for held coordinates
 
     Each step solves with H + shift, the shift so large that the energy is convex where the sheet is free to move
     (read from the signs of the pivots), and is taken if the energy falls as the model says; else the shift grows
@@ -84,8 +114,9 @@ class Minimizer:
     energy : Energy
     held : (n,) bool, optional
         Vertices that stay where the start has them.
-    rows : (m, n, d), optional
-        Linear measures of the points that keep the values of the start; orthonormal.
+    pinned : (n, d) bool, optional
+        Coordinates that keep a sheet from drifting, see :func:`kirisurf.deployment.drive.pinned_coordinates`: they
+        hold its rigid motions and resist nothing.
     toward : (n, d), optional
         Direction that decides to which side a sheet is pushed off a saddle.
     curved : bool
@@ -98,21 +129,23 @@ class Minimizer:
         self,
         energy: Energy,
         held: Bool[np.ndarray, " n"] | None = None,
-        rows: Float[np.ndarray, "m n d"] | None = None,
+        pinned: Bool[np.ndarray, "n d"] | None = None,
         toward: Float[np.ndarray, "n d"] | None = None,
         curved: bool = True,
         tolerance: float = TOLERANCE,
     ) -> None:
-        n, d = energy.n_vertices, energy.dimension
         self.energy, self.curved, self.tolerance = energy, curved, tolerance
         # the larger one covers what rounding makes of the many motions that no rod resists
         self._least = LEAST_SHIFT if curved else 10 * LEAST_SHIFT
-        self.free = np.ones(n, bool) if held is None else ~np.asarray(held, bool)
-        numbers = numbered(energy.elements, self.free, d)
-        self._stiffness = energy.stiffness(numbers)
-        self._which = np.argsort(numbers[self.free].ravel())
-        self._rows = np.zeros((0, self._stiffness.size)) if rows is None else np.stack([self._packed(r) for r in rows])
-        self._toward = None if toward is None else self._packed(toward)
+        self._is_pinned = pinned is not None
+        free = np.ones((energy.n_vertices, energy.dimension), bool)
+        if held is not None:
+            free[np.asarray(held, bool)] = False
+        self._free = free if pinned is None else free & ~pinned
+        numbers = np.full(free.shape, -1)
+        numbers[self._free] = np.arange(int(self._free.sum()))
+        self._stiffness, self._factors = energy.stiffness(numbers), Factors()
+        self._toward = None if toward is None else toward[self._free]
 
     def with_torsion(self, torsion: float) -> Minimizer:
         """Return the same for another lambda, sharing order and pattern."""
@@ -129,9 +162,16 @@ class Minimizer:
         return other
 
     def solve(
-        self, start: Float[np.ndarray, "n d"], loading: Loading | None = None, max_steps: int = MAX_STEPS
+        self,
+        start: Float[np.ndarray, "n d"],
+        loading: Loading | None = None,
+        max_steps: int = MAX_STEPS,
+        near: Float[np.ndarray, "n d"] | None = None,
     ) -> Equilibrium:
-        """Minimize from a start, whose held vertices and measures are those given."""
+        """Minimize from a start, whose held coordinates are those given.
+
+        A sheet that is pinned is then moved, as a whole, to where it lies nearest to points, by default the start.
+        """
         loading, steps = loading or Loading(), 0
         points = np.array(start, float)
         for _ in range(MAX_ESCAPES + 1):
@@ -140,106 +180,93 @@ class Minimizer:
             if found.is_stable or not found.is_converged or steps >= max_steps:
                 break
             points = self._pushed(found.points, loading, shift)
-        return replace(found, points=frozen(found.points), steps=steps)
+        place = np.asarray(start if near is None else near, float)
+        end = nearest_place(found.points, place) if self._is_pinned else found.points
+        return replace(found, points=frozen(end), steps=steps)
 
     def is_saddle(self, points: Float[np.ndarray, "n d"]) -> bool:
         """Does the energy fall in one direction and in no other, where the sheet is free to move?"""
-        state = self._state(points, Loading())
-        factor = Factor(self._stiffness.matrix(self._entries(state), self._least))
-        below = (np.linalg.eigvalsh(self._bordered(factor, state)[1]) < 0).sum() if len(state.rows) else 0
-        return factor.n_negative - int(below) == 1
+        return self._operator(self._state(points, Loading()), self._least).n_negative == 1
 
     def _state(self, points: np.ndarray, loading: Loading) -> _State:
         here = loaded(self.energy, points, loading, self.curved)
-        gradient, rows = self._packed(here.gradient), self._rows
-        residual = float(np.abs(gradient - (rows @ gradient) @ rows).max(initial=0.0))
-        if here.slope is not None:
-            rows = np.concatenate([rows, self._packed(here.slope)[None]])
-        return _State(here, gradient, rows, residual)
-
-    def _entries(self, state: _State) -> np.ndarray:
-        """Entries of the matrix, lengths in tile edges and forces in those of a rod with strain 1."""
-        return self._stiffness.numbers(state.here.bends) * (self.energy.length / self.energy.unit_force)
+        gradient = here.gradient[self._free]
+        return _State(here, gradient, float(np.abs(gradient).max(initial=0.0)))
 
     def _descend(self, points: np.ndarray, loading: Loading, max_steps: int) -> tuple[Equilibrium, float]:
         length, unit = self.energy.length, self.energy.unit_force
         shift, step, is_convex = self._least, 0, not self.curved
-        state, factor = self._state(points, loading), None
+        state, operator, is_fresh = self._state(points, loading), None, True
         while not (state.residual <= self.tolerance and is_convex) and np.isfinite(state.residual):
-            if factor is None:
-                factor, shift = self._factored(state, shift)
-                is_convex = factor is not None and (shift <= self._least or not self.curved)
-            if factor is None or state.residual <= self.tolerance or step >= max_steps:
+            if operator is None:
+                # where nothing pulls, all that is left to know is whether this is a minimum
+                shift = self._least if state.residual <= self.tolerance else shift
+                operator, shift = self._convex(state, shift)
+                is_fresh = True
+                is_convex = operator is not None and (shift <= self._least or not self.curved)
+            if operator is None or state.residual <= self.tolerance or step >= max_steps:
                 break
             step += 1
-            move = self._move(factor, state, state.gradient)
+            move = -operator.solve(state.gradient)
             move *= min(1.0, LONGEST / max(float(np.abs(move).max(initial=0.0)), 1e-300))
-            trial = points + length * self._unpacked(move)
+            trial = self._moved(points, length * move)
+            there = self._state(trial, loading)
             expected = -0.5 * unit * length * float(state.gradient @ move)
-            slack = 1e-15 * abs(state.here.total) + 1e-30
-            if total_energy(self.energy, trial, loading) <= state.here.total - 0.01 * expected + slack:
-                before, points = state.residual, trial
-                state = self._state(points, loading)
+            if there.total <= state.total - 0.01 * expected or self._is_nearer(there, state):
                 # without curvature an old factor knows nothing of the motions that were free then
-                if shift > self._least or not self.curved or state.residual > REUSED * before:
-                    factor = None
+                keeps = shift <= self._least and self.curved and there.residual <= REUSED * state.residual
+                points, state, is_fresh = trial, there, False
+                operator = operator if keeps else None
                 shift = shift / 8 if shift > 0.1 * FIRST_SHIFT else self._least
             else:
-                shift, factor = max(4 * shift, FIRST_SHIFT if self.curved else 1e-2 * FIRST_SHIFT), None
+                if is_fresh:
+                    shift = max(4 * shift, FIRST_SHIFT if self.curved else 1e-2 * FIRST_SHIFT)
+                operator = None
         is_converged = state.residual <= self.tolerance
         return Equilibrium(points, state.here.energy, state.residual, step, is_converged, is_convex), shift
 
-    def _factored(self, state: _State, shift: float) -> tuple[Factor | None, float]:
+    def _is_nearer(self, there: _State, state: _State) -> bool:
+        """Is a state nearer to equilibrium, where energies differ by no more than rounding?"""
+        rounding = ROUNDING * (abs(state.total) + ROUNDING)
+        return bool(there.residual < 0.5 * state.residual and there.total <= state.total + rounding)
+
+    def _operator(self, state: _State, shift: float) -> _Operator:
+        here = state.here
+        # lengths in tile edges and forces in those of a rod with strain 1
+        entries = self._stiffness.numbers(here.bends) * (self.energy.length / self.energy.unit_force)
+        factor = self._factors.of(self._stiffness.matrix(entries, shift + here.pull))
+        if here.slope is None or factor.n_negative < 0:
+            return _Operator(factor, None, None, 1.0)
+        slope = here.slope[self._free]
+        response = factor.solve(slope)
+        return _Operator(factor, slope, response, here.compliance + float(slope @ response))
+
+    def _convex(self, state: _State, shift: float) -> tuple[_Operator | None, float]:
         """Factor with the given shift, or the first larger one that leaves no direction in which the energy falls."""
-        entries = self._entries(state)
         while shift <= MOST_SHIFT:
-            factor = Factor(self._stiffness.matrix(entries, shift + state.here.pull))
-            if factor.n_negative >= 0 and not self.curved:
-                return factor, shift  # a sum of squares: negative pivots are rounding
-            if 0 <= factor.n_negative <= len(state.rows):
-                # by the inertia of the bordered matrix
-                below = (np.linalg.eigvalsh(self._bordered(factor, state)[1]) < 0).sum() if len(state.rows) else 0
-                if int(below) == factor.n_negative:
-                    return factor, shift
+            operator = self._operator(state, shift)
+            # without curvature H is a sum of squares: negative pivots are rounding
+            if operator.n_negative == 0 or (operator.n_negative > 0 and not self.curved):
+                return operator, shift
             shift = max(4 * shift, FIRST_SHIFT)
         return None, shift
 
-    def _bordered(self, factor: Factor, state: _State) -> tuple[np.ndarray, np.ndarray]:
-        """Response to the rows (q, m), and their compliance (m, m)."""
-        response = factor.solve(np.ascontiguousarray(state.rows.T))
-        compliance = state.rows @ response
-        compliance[-1, -1] += state.here.compliance
-        return response, 0.5 * (compliance + compliance.T)
-
-    def _move(self, factor: Factor, state: _State, gradient: np.ndarray) -> np.ndarray:
-        move = -factor.solve(gradient)
-        if len(state.rows):
-            response, compliance = self._bordered(factor, state)
-            move -= response @ np.linalg.solve(compliance, state.rows @ move)
-        return move
-
     def _pushed(self, points: np.ndarray, loading: Loading, shift: float) -> np.ndarray:
         """Points off a saddle, along the direction of least stiffness."""
-        state = self._state(points, loading)
-        factor, _ = self._factored(state, shift)
-        if factor is None:
+        operator, _ = self._convex(self._state(points, loading), shift)
+        if operator is None:
             return points
         side = np.random.default_rng(0).standard_normal(self._stiffness.size)
         if self._toward is not None:
             side = self._toward / np.linalg.norm(self._toward) + 0.1 * side / np.linalg.norm(side)
         mode = side
         for _ in range(INVERSE_STEPS):
-            mode = self._move(factor, state, -mode)
+            mode = operator.solve(mode)
             mode /= np.linalg.norm(mode)
         sign = -1.0 if mode @ side < 0 else 1.0
-        return points + self._unpacked(sign * PUSH * self.energy.length / np.abs(mode).max() * mode)
+        return self._moved(points, sign * PUSH * self.energy.length / np.abs(mode).max() * mode)
 
-    def _packed(self, values: np.ndarray) -> np.ndarray:
-        return values[self.free].ravel()[self._which]
-
-    def _unpacked(self, values: np.ndarray) -> np.ndarray:
-        inner = np.empty(len(values))
-        inner[self._which] = values
-        result = np.zeros((self.energy.n_vertices, self.energy.dimension))
-        result[self.free] = inner.reshape(-1, self.energy.dimension)
+    def _moved(self, points: np.ndarray, move: np.ndarray) -> np.ndarray:
+        result = points.copy()
+        result[self._free] += move
         return result

@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from kirisurf.deployment.drive import rigid_rows
+from kirisurf.deployment.drive import pinned_coordinates
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Equilibrium, Minimizer
 from kirisurf.deployment.guide import Guide
-from kirisurf.deployment.loading import Anchor, Loading, mean_opening
+from kirisurf.deployment.loading import Anchor, Loading, mean_opening, total_energy
 from kirisurf.deployment.path import STRAINLESS, Path, Progress, ShouldStop, measured_path
 
 RIGID_TOLERANCE = 1e-13
 """Residual at which a state of a sheet without torsion is taken: its strains are then 1e-12 at most."""
 
-STATE_STEPS = 100
+STATE_STEPS = 200
 RIGID_STEPS = 14
 """Newton steps at most for a state."""
 
 HALVED = 3
 """How often the way to a state is halved where the state is not found at once."""
 
-SMOOTH = 0.2
-"""Displacement beyond the guide's, in tile edges, after which a state is not extrapolated from those before it."""
+DEGREE = 4
+"""Highest degree of the polynomials by which the next state is foreseen."""
 
 RETURN = 0.1
 """Part of its distance to the guide that a sheet in space gives up at every state."""
+
+WEAK, NEAR = 1e-9, 1e-6
+"""Stiffness of the springs that keep a foreseen state from drifting, and the residual up to which they act."""
 
 SUPPORT = 100.0
 """Stiffness of the supports of a sheet in space, over lambda."""
@@ -42,20 +46,31 @@ def follow_held(
     guide: Guide,
     held: Bool[np.ndarray, " n"],
     fractions: Float[np.ndarray, " k"],
-    trajectory: str = "turning",
+    places: Float[np.ndarray, "k n d"],
     should_stop: ShouldStop | None = None,
     progress: Progress | None = None,
     drive: str = "vertices",
 ) -> Path:
-    """Follow the sheet while some vertices are moved and the rest relaxes."""
+    """Follow the sheet while some vertices are moved and the rest relaxes.
+
+    In space the path begins at the deployed sheet, since in the flat one, where all slits are closed, its branches
+    meet.
+
+    Parameters
+    ----------
+    energy : Energy
+    guide : Guide
+    held : (n,)
+        Vertices that are moved.
+    fractions : (k,)
+    places : (k, n, d)
+        Where they are at every part of the way; the rest is sought near the places of the other vertices.
+    should_stop, progress : callable, optional
+    drive : str
+        Name for the path.
+    """
     minimizer = Minimizer(energy, held=held, toward=guide.deployed - guide.flat)
-    way = guide.at if trajectory == "turning" else guide.straight
-
-    def solve(fraction: float, start: np.ndarray) -> Equilibrium:
-        return minimizer.solve(np.where(held[:, None], way(fraction), start), max_steps=STATE_STEPS)
-
-    states = _follow(energy, guide, fractions, solve, should_stop, progress)
-    return measured_path(energy, guide, drive, fractions, states)
+    return _follow(minimizer, guide, fractions, places, None, should_stop, progress, drive, held, energy.dimension == 3)
 
 
 def follow_free_planar(
@@ -70,21 +85,10 @@ def follow_free_planar(
     At each state the energy is least among all with that mean opening, so that where it has a maximum along the path,
     the gradient vanishes: it is the saddle between two stable states, and its height the barrier.
     """
-    rows, toward = rigid_rows(guide), guide.deployed - guide.flat
-    minimizer = Minimizer(energy, rows=rows, toward=toward)
+    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed), toward=guide.deployed - guide.flat)
     first, last = (mean_opening(energy, end) for end in (guide.flat, guide.deployed))
-
-    def solve(fraction: float, start: np.ndarray) -> Equilibrium:
-        load = Loading(opening=first + fraction * (last - first))
-        found = minimizer.solve(start, load, max_steps=STATE_STEPS)
-        if found.energy > STRAINLESS:
-            return found
-        finer = minimizer.with_tolerance(RIGID_TOLERANCE).solve(found.points, load, max_steps=5)
-        return replace(finer, steps=found.steps + finer.steps, is_converged=found.is_converged)
-
-    return measured_path(
-        energy, guide, "free", fractions, _follow(energy, guide, fractions, solve, should_stop, progress)
-    )
+    loadings = [Loading(opening=first + fraction * (last - first)) for fraction in fractions]
+    return _follow(minimizer, guide, fractions, guide.places(fractions), loadings, should_stop, progress, "free")
 
 
 def follow_rigid(
@@ -101,36 +105,59 @@ def follow_rigid(
     where all slits are closed, all its branches meet. Where there is none, what is found are least strains.
     """
     still = energy.with_torsion(0.0)
-    rows, toward = rigid_rows(guide), guide.deployed - guide.flat
+    toward = guide.deployed - guide.flat
     # rigid motions need not be held: steps of least length hold none
     minimizer = Minimizer(still, toward=toward, curved=False, tolerance=RIGID_TOLERANCE)
     strained: Minimizer | None = None
     states: list[Equilibrium] = []
-    points = guide.deployed
+    points, off = guide.deployed, list[np.ndarray]()
     count = len(fractions)
     for k in range(count - 1, -1, -1):
         if should_stop is not None and should_stop():
             return measured_path(still, guide, "free", fractions[k + 1 :], states[::-1], interrupted=True)
         before = float(fractions[min(k + 1, count - 1)])
-        state = _rigid_state(minimizer, guide, before, float(fractions[k]), points, HALVED)
+        expected = _expected(guide, before, float(fractions[k]), points)
+        state = _rigid_state(minimizer, guide, before, float(fractions[k]), points, HALVED, off)
         if not state.is_converged:
-            strained = strained or Minimizer(still, rows=rows, toward=toward)
+            strained = strained or Minimizer(still, pinned=pinned_coordinates(guide.deployed), toward=toward)
             anchored = Loading(anchor=Anchor(guide.at(fractions[k]), LEAST_SUPPORT))
             held = strained.solve(state.points, anchored, max_steps=STATE_STEPS)
             state = strained.solve(held.points, max_steps=STATE_STEPS)
         states.append(state)
         points = state.points
+        off = [*off[-DEGREE:], points - expected]
         if progress is not None:
             progress(count - k, count)
     return measured_path(still, guide, "free", fractions, states[::-1])
 
 
-def _rigid_state(
-    minimizer: Minimizer, guide: Guide, before: float, fraction: float, points: np.ndarray, halvings: int
-) -> Equilibrium:
-    """The state without strain next to one before, by way of one half way where it is not found at once."""
+def _expected(guide: Guide, before: float, fraction: float, points: np.ndarray) -> np.ndarray:
+    """Points moved as the guide moves from one part of the way to another, and a little towards it."""
     kept = (1 - RETURN) * fraction / before if before > 0 else 0.0
-    state = minimizer.solve(guide.at(fraction) + kept * (points - guide.at(before)), max_steps=RIGID_STEPS)
+    return guide.at(fraction) + kept * (points - guide.at(before))
+
+
+def _rigid_state(
+    minimizer: Minimizer,
+    guide: Guide,
+    before: float,
+    fraction: float,
+    points: np.ndarray,
+    halvings: int,
+    off: Sequence[np.ndarray] = (),
+) -> Equilibrium:
+    """The state without strain next to one before, by way of one half way where it is not found at once.
+
+    What states before were off the expected ones foresees it. Foreseen states alone would drift along the motions
+    that strain nothing: springs to the expected points, weak enough to strain nothing either, keep them.
+    """
+    start, steps = _expected(guide, before, fraction, points), 0
+    foreseen = min((start + guess for guess in _extrapolated(off)), key=minimizer.energy.value, default=start)
+    if minimizer.energy.value(foreseen) < minimizer.energy.value(start):
+        near = minimizer.with_tolerance(NEAR).solve(foreseen, Loading(anchor=Anchor(start, WEAK)), max_steps=3)
+        start, steps = near.points, near.steps
+    state = minimizer.solve(start, max_steps=RIGID_STEPS)
+    state = replace(state, steps=state.steps + steps)
     if state.is_converged:
         return state
     if state.energy <= STRAINLESS:  # next to the flat sheet the last digits come slowly
@@ -157,46 +184,58 @@ def follow_supported(
     """
     minimizer = Minimizer(energy, toward=guide.deployed - guide.flat)
     stiffness = max(SUPPORT * energy.torsion, LEAST_SUPPORT)
-    states: list[Equilibrium] = []
-    off = [np.zeros_like(guide.flat)] * 2
-    for k, points in enumerate(rigid.points):
-        if should_stop is not None and should_stop():
-            return measured_path(energy, guide, "free", rigid.fractions[:k], states, interrupted=True)
-        guess = points + 2 * off[-1] - off[-2]
-        states.append(minimizer.solve(guess, Loading(anchor=Anchor(points, stiffness)), max_steps=STATE_STEPS))
-        off.append(states[-1].points - points)
-        if progress is not None:
-            progress(k + 1, len(rigid.points))
-    return measured_path(energy, guide, "free", rigid.fractions, states)
+    loadings = [Loading(anchor=Anchor(points, stiffness)) for points in rigid.points]
+    return _follow(minimizer, guide, rigid.fractions, rigid.points, loadings, should_stop, progress, "free")
 
 
 def _follow(
-    energy: Energy,
+    minimizer: Minimizer,
     guide: Guide,
-    fractions: np.ndarray,
-    solve: Callable[[float, np.ndarray], Equilibrium],
+    fractions: Float[np.ndarray, " k"],
+    places: Float[np.ndarray, "k n d"],
+    loadings: Sequence[Loading] | None,
     should_stop: ShouldStop | None,
     progress: Progress | None,
-) -> list[Equilibrium]:
-    """Solve state after state, each from the guide and what the ones before are off it, extrapolated."""
+    drive: str,
+    held: Bool[np.ndarray, " n"] | None = None,
+    from_end: bool = False,
+) -> Path:
+    """Solve state after state, each from its place and what the ones before are off theirs, extrapolated."""
+    energy, count = minimizer.energy, len(fractions)
+    exact = minimizer.with_tolerance(RIGID_TOLERANCE)
     states: list[Equilibrium] = []
     off = [np.zeros_like(guide.flat)]
-    for k, fraction in enumerate(fractions):
+    for k in range(count)[::-1] if from_end else range(count):
         if should_stop is not None and should_stop():
             break
-        guided = guide.at(fraction)
-        guesses = [off[-1]]
-        if len(off) > 3:
-            guesses.append(3 * off[-1] - 3 * off[-2] + off[-3])
-        guesses.sort(key=lambda guess: energy.value(guided + guess))
-        for guess in (*guesses, np.zeros_like(guided)):
-            state = solve(float(fraction), guided + guess)
-            if state.is_converged:
+        load = Loading() if loadings is None else loadings[k]
+        guesses = [places[k] + guess for guess in _extrapolated(off)]
+        for guess in guesses if held is not None else ():
+            guess[held] = places[k][held]
+        guesses.sort(key=lambda guess: total_energy(energy, guess, load))
+        tried: list[Equilibrium] = []
+        for guess in (*guesses[:2], places[k]):
+            tried.append(minimizer.solve(guess, load, max_steps=STATE_STEPS, near=places[k]))
+            if tried[-1].is_converged:
                 break
+        state = tried[-1] if tried[-1].is_converged else min(tried, key=lambda one: one.residual)
+        if state.energy <= STRAINLESS and held is None and loadings is not None and energy.torsion == 0:
+            finer = exact.solve(state.points, load, max_steps=5, near=places[k])
+            state = replace(finer, steps=state.steps + finer.steps, is_converged=state.is_converged)
         states.append(state)
-        # what was before a jump, or is no equilibrium, says nothing of what comes
-        moved = float(np.abs(state.points - guided - off[-1]).max()) > SMOOTH * energy.length
-        off = [*([] if moved else off), state.points - guided] if state.is_converged else [np.zeros_like(guided)]
+        # what is no equilibrium says nothing of what comes
+        off = [*off[-DEGREE:], state.points - places[k]] if state.is_converged else [np.zeros_like(guide.flat)]
         if progress is not None:
-            progress(k + 1, len(fractions))
-    return states
+            progress(len(states), count)
+    found = fractions[count - len(states) :] if from_end else fractions[: len(states)]
+    states = states[::-1] if from_end else states
+    return measured_path(energy, guide, drive, found, states, interrupted=len(states) < count)
+
+
+def _extrapolated(values: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return what may come after values at even distances, by polynomials of degree 0 and more through the last."""
+    guesses, differences = [values[-1]] if values else [], list(values)
+    while len(differences) > 1:
+        differences = [after - before for before, after in pairwise(differences)]
+        guesses.append(guesses[-1] + differences[-1])
+    return guesses

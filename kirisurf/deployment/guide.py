@@ -93,16 +93,20 @@ class Guide:
         """Return the points on straight lines between the ends, as in the paper."""
         return (1 - fraction) * self.flat + fraction * self.deployed
 
+    def places(self, fractions: Float[np.ndarray, " k"], is_straight: bool = False) -> Float[np.ndarray, "k n d"]:
+        """Return the points at several parts of the way."""
+        return np.array([self.straight(fraction) if is_straight else self.at(fraction) for fraction in fractions])
 
-def nearest_place(flat: Float[np.ndarray, "n 2"], deployed: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
-    """Return flat points moved rigidly to where they are nearest to deployed ones; in the plane never mirrored."""
-    d = deployed.shape[1]
-    centered = np.pad(flat - flat.mean(axis=0), ((0, 0), (0, d - 2)))
-    goal = deployed - deployed.mean(axis=0)
+
+def nearest_place(points: Float[np.ndarray, "n c"], others: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
+    """Return points, planar ones too, moved rigidly to where they are nearest to others, and never mirrored."""
+    d = others.shape[1]
+    centered = np.pad(points - points.mean(axis=0), ((0, 0), (0, d - points.shape[1])))
+    goal = others - others.mean(axis=0)
     u, _, v = np.linalg.svd(centered.T @ goal)
     signs = np.ones(d)
     signs[-1] = np.sign(np.linalg.det(u @ v))
-    return centered @ (u * signs) @ v + deployed.mean(axis=0)
+    return centered @ (u * signs) @ v + others.mean(axis=0)
 
 
 def _in_space(points: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.factor import Factor, numbered
+from kirisurf.deployment.factor import Factors
 from kirisurf.deployment.path import STRAINLESS, Path
 
 INDEPENDENT = 1e-5
@@ -38,11 +38,10 @@ def n_mechanisms(energy: Energy, points: Float[np.ndarray, "n d"], tolerance: fl
     1
     """
     still = energy.with_torsion(0.0)
-    numbers = numbered(energy.elements, np.ones(energy.n_vertices, bool), energy.dimension)
-    stiffness = energy.stiffness(numbers)
+    stiffness = energy.stiffness(np.arange(points.size).reshape(points.shape))
     bends = still.evaluate(points, curved=False).bends
     entries = stiffness.numbers(bends) * (energy.length / energy.unit_force)
-    below = Factor(stiffness.matrix(entries, -(tolerance**2))).n_negative
+    below = Factors().of(stiffness.matrix(entries, -(tolerance**2))).n_negative
     return below - (3 if energy.dimension == 2 else 6)
 
 

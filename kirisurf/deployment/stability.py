@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import brentq
 
-from kirisurf.deployment.drive import rigid_rows
+from kirisurf.deployment.drive import pinned_coordinates
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.guide import Guide
@@ -87,7 +87,7 @@ def find_minima(energy: Energy, guide: Guide, path: Path, should_stop: ShouldSto
 
     Where nothing costs energy along the path, both ends are returned.
     """
-    minimizer = Minimizer(energy, rows=rigid_rows(guide), toward=guide.deployed - guide.flat)
+    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed), toward=guide.deployed - guide.flat)
     values = path.energies
     if values.max() <= STRAINLESS:
         # it rests wherever it is left
@@ -113,7 +113,10 @@ def find_barriers(energy: Energy, guide: Guide, path: Path, minima: tuple[Minimu
     """Return the barriers between neighboring minima: the highest point of the path between them.
 
     On the free path of a planar sheet it is then moved to where the load on the opening vanishes, which is a saddle.
+    Where nothing costs energy along the path there are none.
     """
+    if path.energies.max(initial=0.0) <= STRAINLESS:
+        return ()
     last = mean_opening(energy, guide.deployed)
     openings = np.array([mean_opening(energy, points) for points in path.points])
     barriers = []
@@ -150,7 +153,7 @@ def transition_torsion(energy: Energy, guide: Guide, most: float = 10.0) -> floa
     float or None
         None where there is no open state even at the smallest lambda, or still one at the largest.
     """
-    minimizer = Minimizer(energy, rows=rigid_rows(guide))
+    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed))
 
     def rest(torsion: float, start: np.ndarray) -> np.ndarray | None:
         found = minimizer.with_torsion(torsion).solve(start, max_steps=RELAX_STEPS)
@@ -211,7 +214,7 @@ def _saddle(
     energy: Energy, guide: Guide, path: Path, openings: np.ndarray, top: int
 ) -> tuple[np.ndarray, float, bool] | None:
     """The state between the neighbors of the highest one at which the load on the opening changes its sign."""
-    minimizer = Minimizer(energy, rows=rigid_rows(guide), toward=guide.deployed - guide.flat)
+    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed), toward=guide.deployed - guide.flat)
     start = path.points[top]
     found = [minimizer.solve(start, Loading(opening=openings[top]))]
 
@@ -219,10 +222,12 @@ def _saddle(
         found[0] = minimizer.solve(found[0].points, Loading(opening=asked))
         return STIFFNESS * (asked - mean_opening(energy, found[0].points))
 
-    ends = openings[top - 1], openings[top + 1]
-    if not load(ends[0]) > 0 > load(ends[1]):
+    ends = float(openings[top - 1]), float(openings[top + 1])
+    # asked again, an end next to a jump may give another answer
+    known = {end: load(end) for end in ends}
+    if not known[ends[0]] > 0 > known[ends[1]]:
         return None
     load(openings[top])
-    brentq(load, *ends, xtol=1e-13, rtol=1e-13)
+    brentq(lambda asked: known.get(asked) or load(asked), *ends, xtol=1e-13, rtol=1e-13)
     state = found[0]
     return state.points, state.energy, bool(state.is_converged and minimizer.is_saddle(state.points))

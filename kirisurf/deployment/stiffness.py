@@ -32,7 +32,8 @@ class Gathering:
 
     def vectors(self, points: Float[np.ndarray, "n d"]) -> list[Float[np.ndarray, "_ _ _"]]:
         """Return the vectors of every kind of elements."""
-        every = points.T[:, self._ends] - points.T[:, self._origins]
+        columns = np.ascontiguousarray(points.T)
+        every = columns.take(self._ends, axis=1) - columns.take(self._origins, axis=1)
         result, start = [], 0
         for p, k in self._shapes:
             part = every[:, start : start + p * k].reshape(len(every), p, k)
@@ -47,7 +48,7 @@ class Gathering:
 
 
 class Stiffness:
-    """Second derivatives by the free coordinates, on one sparsity pattern.
+    """Second derivatives by the free coordinates: the upper half of a symmetric matrix on one sparsity pattern.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ class Stiffness:
                             row, column = np.broadcast_arrays(one[:, None], two[None])
                             if turned:
                                 row, column = column, row
-                            keep = (row >= 0) & (column >= 0)
+                            keep = (row >= 0) & (row <= column)
                             rows.append(row[keep])
                             columns.append(column[keep])
                             sources.append(source[keep])
@@ -98,7 +99,7 @@ class Stiffness:
         return self._added @ np.concatenate([part[pair].ravel() for part in parts for pair in sorted(part)])
 
     def matrix(self, entries: Float[np.ndarray, " z"], shift: float = 0.0) -> csc_matrix:
-        """Return the matrix, with a multiple of the identity added."""
+        """Return the upper half of the matrix, diagonal included, with a multiple of the identity added."""
         if shift:
             entries = entries.copy()
             entries[self.diagonal] += shift

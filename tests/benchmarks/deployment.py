@@ -3,7 +3,8 @@
     python tests/benchmarks/deployment.py                  20x20 and 40x40 tiles, planar and hypar, every drive
     python tests/benchmarks/deployment.py --grids 8 --drives free --steps 10
 
-A sheet is followed alone, without verdict, minima and collisions. Run it beside nothing else.
+A sheet is followed alone, without verdict, minima and collisions; in space the way of rigid tiles, which the others
+follow, is the row 'free' with lambda = 0. Run it beside nothing else.
 """
 
 from __future__ import annotations
@@ -72,13 +73,14 @@ def measured(sheet: str, design: Design, drive: str, torsion: float, steps: int)
     points = points[:, :2] if sheet == "planar" else points
     fractions = np.linspace(0.0, 1.0, steps + 1)
     still = None
-    if drive == "free" and torsion and sheet != "planar":
+    if sheet != "planar" and (torsion or drive != "free"):
         plain, guide = energy_of(tessellation, flat, 0.0, 3), Guide(tessellation, flat, points)
         still = follow_rigid(plain, guide, fractions)
     began = time.perf_counter()
     energy, guide = energy_of(tessellation, flat, torsion, points.shape[1]), Guide(tessellation, flat, points)
     if drive != "free":
-        way = follow_held(energy, guide, driven_vertices(tessellation, drive), fractions, drive=drive)
+        places = guide.places(fractions) if still is None else still.points
+        way = follow_held(energy, guide, driven_vertices(tessellation, drive), fractions, places, drive=drive)
     elif still is not None:
         way = follow_supported(energy, guide, still)
     elif sheet == "planar":

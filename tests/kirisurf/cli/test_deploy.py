@@ -159,7 +159,7 @@ def test_a_deployment_of_other_states_is_not_taken_for_the_runs(
         (["--steps", "0"], 2, "steps: expected a whole number from 2"),
         (["--steps", "two"], 2, "--steps: expected a whole number, got 'two'"),
         (["--drive", "rope"], 2, "drive: expected one of free, rim, corners, got 'rope'"),
-        (["--trajectory", "zigzag"], 2, "trajectory: expected one of turning, straight, got 'zigzag'"),
+        (["--trajectory", "zigzag"], 2, "trajectory: expected one of turning, rigid, straight, got 'zigzag'"),
         (["--thickness", "-2"], 2, "thickness: expected a number of at least 0, got -2.0"),
         (["--thickness", "1e6"], 2, "thickness: expected a number from 0 to"),
     ],

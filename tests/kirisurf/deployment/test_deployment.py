@@ -77,7 +77,8 @@ def test_a_moved_rim_costs_at_least_the_barrier() -> None:
     assert rim.paths[0].drive == "rim" and rim.still.drive == "free"
     energy, found = snapping().energy, snapping()
     held = driven_vertices(circle()[0], "rim")
-    path = follow_held(energy, found.guide, held, np.linspace(0, 1, 11))
+    fractions = np.linspace(0, 1, 11)
+    path = follow_held(energy, found.guide, held, fractions, found.guide.places(fractions))
     assert path.energies.max() > found.verdicts[0].barriers[0].energy
 
 

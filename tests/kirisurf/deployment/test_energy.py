@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import tril, triu
 from scipy.spatial.transform import Rotation
 
 from kirisurf.deployment.energy import Energy, energy_of
@@ -51,13 +52,14 @@ def test_derivatives_have_the_slopes_of_taylor(name: str, dimension: int) -> Non
 
 @every_sheet
 @every_dimension
-def test_the_matrix_is_symmetric_and_the_same_as_the_product(name: str, dimension: int) -> None:
+def test_the_matrix_is_the_same_as_the_product(name: str, dimension: int) -> None:
     energy, points = sheet(name, dimension)
     here = energy.evaluate(points)
     order = np.random.default_rng(2).permutation(points.size).reshape(points.shape)
     stiffness = energy.stiffness(order)
-    matrix = stiffness.matrix(stiffness.numbers(here.bends), 0.5)
-    assert abs(matrix - matrix.T).max() <= 1e-12 * abs(matrix).max()
+    upper = stiffness.matrix(stiffness.numbers(here.bends), 0.5)
+    assert not tril(upper, -1).nnz
+    matrix = upper + triu(upper, 1).T
     shift = np.random.default_rng(3).standard_normal(points.shape)
     packed = np.empty(points.size)
     packed[order.ravel()] = shift.ravel()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kirisurf.deployment.drive import driven_vertices, rigid_rows
+from kirisurf.deployment.drive import driven_vertices, pinned_coordinates
 from kirisurf.deployment.energy import energy_of
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.following import follow_free_planar, follow_held, follow_rigid, follow_supported
@@ -50,7 +50,8 @@ def test_a_refined_path_has_the_same_energies() -> None:
     coarse, fine = (follow_free_planar(energy, guide, np.linspace(0, 1, k)) for k in (11, 21))
     np.testing.assert_allclose(fine.energies[::2], coarse.energies, rtol=1e-9, atol=1e-16)
     held = driven_vertices(tessellation, "rim")
-    coarse, fine = (follow_held(energy, guide, held, np.linspace(0, 1, k)) for k in (11, 21))
+    evenly = [np.linspace(0, 1, k) for k in (11, 21)]
+    coarse, fine = (follow_held(energy, guide, held, at, guide.places(at)) for at in evenly)
     np.testing.assert_allclose(fine.energies[::2], coarse.energies, rtol=1e-9, atol=1e-16)
 
 
@@ -62,7 +63,8 @@ def test_the_energy_is_the_work_of_the_drive() -> None:
     held = driven_vertices(tessellation, "rim")
     gaps = []
     for count in (20, 40):
-        path = follow_held(energy, guide, held, np.linspace(0, 1, count + 1))
+        fractions = np.linspace(0, 1, count + 1)
+        path = follow_held(energy, guide, held, fractions, guide.places(fractions))
         forces = np.array([energy.gradient(p)[held] for p in path.points])
         shifts = np.diff(path.points[:, held], axis=0)
         work = 0.5 * ((forces[1:] + forces[:-1]) * shifts).sum(axis=(1, 2))
@@ -77,7 +79,8 @@ def test_moved_vertices_are_where_they_should_be(drive: str, trajectory: str) ->
     guide = Guide(tessellation, contracted, deployed)
     energy = energy_of(tessellation, contracted, 1e-3, 2)
     held = driven_vertices(tessellation, drive)
-    path = follow_held(energy, guide, held, np.linspace(0, 1, 11), trajectory)
+    fractions = np.linspace(0, 1, 11)
+    path = follow_held(energy, guide, held, fractions, guide.places(fractions, trajectory == "straight"))
     way = guide.at if trajectory == "turning" else guide.straight
     for fraction, points in zip(path.fractions, path.points, strict=True):
         np.testing.assert_allclose(points[held], way(fraction)[held], atol=1e-12)
@@ -132,7 +135,7 @@ def test_a_sheet_that_is_let_go_closes() -> None:
     tessellation = squares()
     guide = Guide(tessellation, tessellation.contracted, tessellation.deployed)
     energy = energy_of(tessellation, tessellation.contracted, 1e-2, 2)
-    found = Minimizer(energy, rows=rigid_rows(guide)).solve(bumpy(guide.deployed, 0.01))
+    found = Minimizer(energy, pinned=pinned_coordinates(guide.deployed)).solve(bumpy(guide.deployed, 0.01))
     assert found.is_converged and found.is_stable
     assert found.energy < 1e-18
     assert np.abs(energy.openings(found.points)).max() < 1e-7

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kirisurf.deployment.drive import rigid_rows
+from kirisurf.deployment.drive import pinned_coordinates
 from kirisurf.deployment.energy import Energy, energy_of
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.following import follow_free_planar
@@ -41,7 +41,7 @@ def test_the_saddle_leads_to_both_states() -> None:
     minima = find_minima(energy, guide, path)
     (barrier,) = find_barriers(energy, guide, path, minima)
     top = barrier.fraction * (len(path.fractions) - 1)
-    minimizer = Minimizer(energy, rows=rigid_rows(guide))
+    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed))
     ends = [minimizer.solve(path.points[int(k)]).energy for k in (top - 3, top + 4)]
     np.testing.assert_allclose(ends, [m.energy for m in minima], atol=1e-9)
     assert barrier.opening - barrier.closing == pytest.approx(minima[1].energy - minima[0].energy, abs=1e-12)
@@ -53,7 +53,7 @@ def test_the_transition_parts_two_kinds() -> None:
     assert at is not None
     counts = []
     for torsion in (0.98 * at, 1.02 * at):
-        minimizer = Minimizer(energy.with_torsion(torsion), rows=rigid_rows(guide))
+        minimizer = Minimizer(energy.with_torsion(torsion), pinned=pinned_coordinates(guide.deployed))
         rests = [minimizer.solve(guide.at(fraction), max_steps=400) for fraction in (0.0, 0.8, 1.0)]
         assert all(rest.is_converged and rest.is_stable for rest in rests)
         counts.append(len({round(rest.energy, 9) for rest in rests}))
