@@ -96,4 +96,4 @@ def test_every_dependency_says_why() -> None:
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     lines = text.split("dependencies = [", 1)[1].split("\n]", 1)[0].strip().splitlines()
     assert len(lines) == len(PROJECT["dependencies"])
-    assert [line for line in lines if not re.search(r"#.*(BSD|MIT|MPL|PSF)", line)] == []
+    assert [line for line in lines if not re.search(r"#.*(Apache|BSD|MIT|MPL|PSF)", line)] == []
