@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from kirisurf.deployment import Deployment, Kind, Path
-from kirisurf.deployment_tables import opening_shares, real_barriers
+from kirisurf.deployment.path import FAR
+from kirisurf.deployment_tables import opening_shares, real_barriers, transition_lambda
 from kirisurf.exporting_deployment import in_space
 from kirisurf.publishing import deployment_viewer
 from kirisurf.tessellation import Tessellation
@@ -21,6 +22,8 @@ INSETS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Openings, or parts of the way, at which the figure shows the sheet."""
 
 MOST_FRAMES = 41
+BALANCED = 1e-6
+"""Residual up to which a state is drawn as one in equilibrium."""
 
 
 def picture(
@@ -40,7 +43,7 @@ def picture(
     curves = [_curve(viewer, deployment, k, met) for k, met in enumerate(collisions)]
     rows = [int(np.abs(curves[0].places - wanted).argmin()) for wanted in INSETS]
     shown = _moving(viewer, tessellation, deployed, first, rows)
-    drawn: bytes = viewer.deployment_figure(curves, shown, rows, title, deployment.transition, first.drive)
+    drawn: bytes = viewer.deployment_figure(curves, shown, rows, title, transition_lambda(deployment), first.drive)
     return drawn
 
 
@@ -57,8 +60,9 @@ def film(tessellation: Tessellation, deployed: Float[np.ndarray, "n 3"], deploym
 
 def _curve(viewer: Any, deployment: Deployment, k: int, met: PathCollisions) -> Any:
     path, verdict = deployment.paths[k], deployment.verdicts[k]
+    opened = opening_shares(deployment.energy, path.points, deployment.guide.deployed)
     if path.drive == "free":
-        places = opening_shares(deployment.energy, path.points, deployment.guide.deployed)
+        places = opened
         # where nothing costs energy it rests wherever it is left
         rests = () if verdict.kind is Kind.FREE else tuple((m.fraction, m.energy) for m in verdict.minima)
         tops = tuple((barrier.fraction, barrier.energy) for barrier in real_barriers(verdict))
@@ -70,7 +74,17 @@ def _curve(viewer: Any, deployment: Deployment, k: int, met: PathCollisions) -> 
     if met.first_contact is not None:
         at = 0.0 if met.free_until is None else met.free_until
         contact = tuple(float(np.interp(at, path.fractions, values)) for values in (places, path.energies))
-    return viewer.Curve(path.torsion, places, path.energies, rests, tops, contact, verdict.kind.value)
+    followed = _followed(deployment, path)
+    words, ends = verdict.kind.value, float(opened[-1])
+    return viewer.Curve(path.torsion, places, path.energies, rests, tops, contact, words, followed, ends)
+
+
+def _followed(deployment: Deployment, path: Path) -> Bool[np.ndarray, " _"]:
+    """Return whether a smooth way leads to every state but the first, and both ends of it are in equilibrium."""
+    guided = np.array([deployment.guide.at(fraction) for fraction in path.fractions])
+    expected = np.abs(np.diff(guided, axis=0)).max(axis=(1, 2)) / deployment.energy.length
+    balanced = path.residuals <= BALANCED
+    return np.asarray((path.moves[1:] <= expected + FAR) & balanced[1:] & balanced[:-1])
 
 
 def _moving(viewer: Any, tessellation: Tessellation, deployed: np.ndarray, path: Path, rows: Sequence[int]) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -80,9 +81,25 @@ def deployment_record(deployment: Deployment, collisions: Sequence[PathCollision
         "slit_ends": len(energy.hinges.stencil),
         "mechanisms": {"flat": deployment.mechanisms[0], "deployed": deployment.mechanisms[1]},
         "is_rigid": deployment.verdicts[0].rigid,
-        "transition_lambda": deployment.transition,
+        "rests_open": rests_open(deployment),
+        "transition_lambda": transition_lambda(deployment),
         "paths": paths,
     }
+
+
+def rests_open(deployment: Deployment) -> str | None:
+    """Return at which lambda above 0 the sheet rests open by itself: never, below the transition, or always."""
+    if deployment.transition is None:
+        return None
+    if transition_lambda(deployment) is not None:
+        return "below the transition"
+    return "always" if deployment.transition else "never"
+
+
+def transition_lambda(deployment: Deployment) -> float | None:
+    """Return the lambda at which a sheet stops to rest open, None where there is no such lambda."""
+    value = deployment.transition
+    return value if value is not None and 0 < value < math.inf else None
 
 
 def opening_shares(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -50,7 +51,7 @@ def snapping(design: Design, steps: int = STEPS, shares: Sequence[float] = SHARE
     """
     ends = design.tessellation, design.contracted_points, design.deployed_points
     transition = deploy(*ends, torsion=0.0, steps=2).transition
-    if transition is None:
+    if transition is None or not 0 < transition < math.inf:
         raise UnusableError("deployment: expected a lambda at which the open state is lost, got none")
     found = deploy(*ends, torsion=[share * transition for share in shares], steps=steps)
     tiles = design.tessellation.tiles

@@ -117,12 +117,11 @@ def _tell(record: Mapping[str, Any], output: Output) -> list[str]:
         output.message(f"  {words}")
         if not path["collisions"]["is_free"]:
             warnings.append(f"{name}: {words}")
-    transition = record["transition_lambda"]
-    if transition is None:
-        rests = any(path["kind"] in resting for path in record["paths"])
-        output.message(f"it rests open by itself at {'any' if rests else 'no'} lambda above 0 that was tried")
-    else:
-        output.message(f"it rests open by itself up to lambda {transition:.3g}")
+    if record["transition_lambda"] is not None:
+        output.message(f"it rests open by itself up to lambda {record['transition_lambda']:.3g}")
+    elif record["rests_open"] is not None:
+        which = "any" if record["rests_open"] == "always" else "no"
+        output.message(f"it rests open by itself at {which} lambda above 0")
     for words in warnings:
         output.warning(words)
     return warnings

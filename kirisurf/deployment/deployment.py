@@ -52,7 +52,8 @@ class Deployment:
     mechanisms : (flat, deployed)
         Motions of first order that strain no tile, at both ends.
     transition : float or None
-        lambda above which the sheet no longer rests open by itself; None where it never does, or always.
+        lambda above which the sheet no longer rests open by itself: 0 where it never does, infinity where it always
+        does; None where the paths were interrupted before it was sought.
     trajectory : str
         How vertices were moved, if any.
     """

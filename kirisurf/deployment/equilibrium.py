@@ -167,15 +167,16 @@ class Minimizer:
         loading: Loading | None = None,
         max_steps: int = MAX_STEPS,
         near: Float[np.ndarray, "n d"] | None = None,
+        enough: float = -np.inf,
     ) -> Equilibrium:
-        """Minimize from a start, whose held coordinates are those given.
+        """Minimize from a start, whose held coordinates are those given, until the energy is low enough.
 
         A sheet that is pinned is then moved, as a whole, to where it lies nearest to points, by default the start.
         """
         loading, steps = loading or Loading(), 0
         points = np.array(start, float)
         for _ in range(MAX_ESCAPES + 1):
-            found, shift = self._descend(points, loading, max_steps - steps)
+            found, shift = self._descend(points, loading, max_steps - steps, enough)
             steps += found.steps
             if found.is_stable or not found.is_converged or steps >= max_steps:
                 break
@@ -193,7 +194,9 @@ class Minimizer:
         gradient = here.gradient[self._free]
         return _State(here, gradient, float(np.abs(gradient).max(initial=0.0)))
 
-    def _descend(self, points: np.ndarray, loading: Loading, max_steps: int) -> tuple[Equilibrium, float]:
+    def _descend(
+        self, points: np.ndarray, loading: Loading, max_steps: int, enough: float
+    ) -> tuple[Equilibrium, float]:
         length, unit = self.energy.length, self.energy.unit_force
         shift, step, is_convex = self._least, 0, not self.curved
         state, operator, is_fresh = self._state(points, loading), None, True
@@ -204,7 +207,7 @@ class Minimizer:
                 operator, shift = self._convex(state, shift)
                 is_fresh = True
                 is_convex = operator is not None and (shift <= self._least or not self.curved)
-            if operator is None or state.residual <= self.tolerance or step >= max_steps:
+            if operator is None or state.residual <= self.tolerance or step >= max_steps or state.total <= enough:
                 break
             step += 1
             move = -operator.solve(state.gradient)

@@ -25,11 +25,18 @@ SAME_OPENING, SAME_PLACE = 0.01, 0.05
 FLAT = 0.02
 """Mean opening in radians below which a sheet is flat: in space its last way home is soft, and not gone to the end."""
 
+NEARLY_NONE = 1e-4
+"""Energy, over the highest of the path, below which a sheet whose slits are springs is on its way to the flat state."""
+
 SLIGHT = 1e-6
 """Height, over the highest energy of the path, up to which there is nothing between two minima."""
 
 RELAX_STEPS = 300
 HALVINGS = 30
+LEAST_TORSION, GROWTH = 1e-8, 4.0
+"""Smallest lambda at which an open state is sought, whose forces are a hundred times the tolerance; and the factor by
+which lambda then grows."""
+
 FELL = 0.6
 """A sheet that closes to less than this part of its opening while lambda grows a little has lost its open state."""
 
@@ -94,13 +101,13 @@ def find_minima(energy: Energy, guide: Guide, path: Path, should_stop: ShouldSto
         return tuple(_minimum(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False)))
     inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
     evenly = np.linspace(0, len(values) - 1, RELEASES + 2).round().astype(int)
+    low = NEARLY_NONE * max(values.max(), STRAINLESS)
     found: list[Minimum] = []
     for start in (guide.flat, *path.points[np.unique(np.r_[inner, evenly])], guide.deployed):
         if should_stop is not None and should_stop():
             break
-        rest = minimizer.solve(start, max_steps=RELAX_STEPS)
-        is_low = rest.energy <= 1e-6 * max(values.max(), 1e-12)
-        flat = bool(is_low and mean_opening(energy, rest.points) < FLAT)
+        rest = minimizer.solve(start, max_steps=RELAX_STEPS, enough=low if energy.torsion > 0 else -np.inf)
+        flat = bool(rest.energy <= low and mean_opening(energy, rest.points) < FLAT)
         if not flat and not (rest.is_converged and rest.is_stable):
             continue
         new = _minimum(energy, guide, guide.flat if flat else rest.points, flat)
@@ -136,7 +143,7 @@ def find_barriers(energy: Energy, guide: Guide, path: Path, minima: tuple[Minimu
     return tuple(barriers)
 
 
-def transition_torsion(energy: Energy, guide: Guide, most: float = 10.0) -> float | None:
+def transition_torsion(energy: Energy, guide: Guide, least: float = LEAST_TORSION, most: float = 10.0) -> float:
     """Return the lambda above which the open state is gone: a sheet let go at the shape closes.
 
     The open state is followed from the deployed one as lambda grows, and the interval in which it is lost is halved.
@@ -145,30 +152,33 @@ def transition_torsion(energy: Energy, guide: Guide, most: float = 10.0) -> floa
     ----------
     energy : Energy
     guide : Guide
-    most : float
-        Largest lambda to try.
+    least, most : float
+        Smallest and largest lambda to try.
 
     Returns
     -------
-    float or None
-        None where there is no open state even at the smallest lambda, or still one at the largest.
+    float
+        0 where there is no open state even at the smallest lambda, infinity where there is one at the largest.
     """
     minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed))
 
     def rest(torsion: float, start: np.ndarray) -> np.ndarray | None:
-        found = minimizer.with_torsion(torsion).solve(start, max_steps=RELAX_STEPS)
-        kept = mean_opening(energy, found.points) >= FELL * mean_opening(energy, start)
-        return found.points if kept and found.is_converged and found.is_stable else None
+        kept = FELL * mean_opening(energy, start)
+        # with less energy its mean opening is less: the mean of squares is no less than the square of the mean
+        enough = 0.99 * torsion * kept**2
+        found = minimizer.with_torsion(torsion).solve(start, max_steps=RELAX_STEPS, enough=enough)
+        is_open = mean_opening(energy, found.points) >= kept
+        return found.points if is_open and found.is_converged and found.is_stable else None
 
-    low, high, points = 0.0, 1e-6, guide.deployed
+    low, high, points = 0.0, least, guide.deployed
     while (found := rest(high, points)) is not None:
-        low, high, points = high, 2 * high, found
-        if high > most:
-            return None
+        if high >= most:
+            return np.inf
+        low, high, points = high, min(GROWTH * high, most), found
     if low == 0.0:
-        return None
+        return 0.0
     for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
+        middle = np.sqrt(low * high)
         found = rest(middle, points)
         if found is None:
             high = middle
@@ -176,7 +186,7 @@ def transition_torsion(energy: Energy, guide: Guide, most: float = 10.0) -> floa
             low, points = middle, found
         if high - low <= 1e-4 * high:
             break
-    return 0.5 * (low + high)
+    return float(0.5 * (low + high))
 
 
 def _apart(energy: Energy, path: Path, minima: list[Minimum]) -> tuple[Minimum, ...]:

@@ -70,6 +70,44 @@ def test_every_curve_and_mark_is_drawn(moving: MovingSheet) -> None:
     assert covered([one, marked], second) > covered([one, two], second) + 30
 
 
+def test_what_was_not_followed_is_dotted(moving: MovingSheet) -> None:
+    """A jump takes ink from the curve, and only one that is said; a curve broken everywhere leaves dots alone."""
+
+    def covered(followed: np.ndarray | None) -> int:
+        found = replace(curve(1.0), followed=followed)
+        picture = np.asarray(opened(deployment_figure([found], moving, [0, 10, 20], "sheet")).convert("RGB"), int)
+        wanted = [int(theme.SERIES[0][k : k + 2], 16) for k in (1, 3, 5)]
+        return int((np.abs(picture[420:] - wanted).max(axis=2) < 30).sum())
+
+    everywhere = np.ones(20, bool)
+    jump = everywhere.copy()
+    jump[12] = False
+    whole, jumped, nowhere = covered(everywhere), covered(jump), covered(~everywhere)
+    assert covered(None) == whole > jumped > nowhere > 0
+
+
+def test_a_path_that_ends_elsewhere_says_so(moving: MovingSheet) -> None:
+    drawn = [
+        deployment_figure([replace(curve(1.0), ends=ends)], moving, [0, 10, 20], "sheet") for ends in (1.0, 0.999, 0.9)
+    ]
+    assert drawn[0] == drawn[1] != drawn[2]
+
+
+def test_a_sheet_that_lies_low_takes_a_lower_page(moving: MovingSheet) -> None:
+    low = replace(moving, states=moving.states * np.array([1.0, 0.3, 1.0]))
+    pages = [opened(deployment_figure([curve(1.0)], sheet, [0, 10, 20], "sheet")) for sheet in (moving, low)]
+    assert pages[1].height < pages[0].height and pages[1].width == pages[0].width
+
+
+def test_the_film_has_a_scale_where_there_is_strain(moving: MovingSheet) -> None:
+    def corner(sheet: MovingSheet) -> np.ndarray:
+        film = opened(deployment_film(sheet, np.array([0.0, 0.5, 1.0]), 1e-3, "free", 400))
+        return np.asarray(film.convert("RGB"), int)[-30:, -140:]
+
+    plain = corner(replace(moving, largest_strain=0.0, strains=0 * moving.strains))
+    assert (plain == 255).all() and (corner(moving)[..., 2] < 120).sum() > 100
+
+
 def test_strain_colors_the_tiles_and_no_strain_leaves_paper(moving: MovingSheet) -> None:
     size = (300, 300)
     strained = np.asarray(moving.picture(2, size), int)

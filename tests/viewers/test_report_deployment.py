@@ -36,6 +36,8 @@ def test_a_run_has_the_section_once_it_is_deployed(run: Run, tmp_path: Path) -> 
     assert all(path["sentence"] in text for path in record["paths"])
     shown = [each for each in Page(text).shown if each.pointer.startswith("/deployment/")]
     assert len(shown) >= 6
+    # what a residual says, and no more
+    assert max(path["largest_residual"] for path in record["paths"]) < 1e-6 and "every state is in equilibrium" in text
     for each in shown:
         found = pointed(numbers, each.pointer)
         assert found == float(each.value) and each.text == formatted(found, each.form)
@@ -54,3 +56,19 @@ def test_the_deployment_of_other_states_is_not_shown(run: Run, tmp_path: Path) -
         assert HEADING not in report(run, tmp_path / "page.html", pictures=False).read_text(encoding="utf-8")
     finally:
         file.write_text(record, encoding="utf-8")
+
+
+def test_states_out_of_equilibrium_are_not_called_balanced(run: Run, tmp_path: Path) -> None:
+    file = run.folder / "deployment" / "deployment.json"
+    if not file.exists():
+        with deployment_folder(run) as folder:
+            save_deployment(deploy_with_collisions(run, steps=2, torsion=(0.0,)), folder, animation=False)
+    text = file.read_text(encoding="utf-8")
+    record = json.loads(text)
+    record["paths"][-1]["largest_residual"] = 1e-3
+    try:
+        file.write_text(json.dumps(record), encoding="utf-8")
+        page = report(run, tmp_path / "page.html", pictures=False).read_text(encoding="utf-8")
+        assert "every state is in equilibrium" not in page and "not in equilibrium" in page
+    finally:
+        file.write_text(text, encoding="utf-8")

@@ -50,7 +50,8 @@ def test_the_saddle_leads_to_both_states() -> None:
 def test_the_transition_parts_two_kinds() -> None:
     energy, guide = circle_at(0.0)
     at = transition_torsion(energy, guide)
-    assert at is not None
+    assert transition_torsion(energy, guide, most=0.5 * at) == np.inf
+    assert transition_torsion(energy, guide, least=2 * at) == 0
     counts = []
     for torsion in (0.98 * at, 1.02 * at):
         minimizer = Minimizer(energy.with_torsion(torsion), pinned=pinned_coordinates(guide.deployed))
@@ -63,7 +64,7 @@ def test_the_transition_parts_two_kinds() -> None:
 def test_a_mechanism_has_no_transition() -> None:
     tessellation = squares()
     energy = energy_of(tessellation, tessellation.contracted, 0.0, 2)
-    assert transition_torsion(energy, Guide(tessellation, tessellation.contracted, tessellation.deployed)) is None
+    assert transition_torsion(energy, Guide(tessellation, tessellation.contracted, tessellation.deployed)) == 0
 
 
 def test_where_nothing_costs_energy_both_ends_are_named() -> None:
