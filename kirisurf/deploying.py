@@ -38,6 +38,9 @@ from kirisurf.runs.record import json_text, sha256, versions
 if TYPE_CHECKING:
     from analysis.collision_path import PathCollisions
 
+TOUCHING = 0.01
+"""Overlap over the tile edge up to which tiles only touch: about as far as their contacts give way."""
+
 FOLDER, RECORD = "deployment", "deployment.json"
 TABLE, FIGURE, SERIES, FILM = "deployment.csv", "deployment.png", "deployment.pvd", "deployment.gif"
 _STATES = ("deployed.obj", "contracted.obj")
@@ -57,7 +60,7 @@ class DeployedRun:
     collisions : tuple of PathCollisions
         Of every path.
     options : mapping
-        What was asked for: torsion, steps, drive, trajectory, thickness, slit_width.
+        What was asked for: torsion, steps, drive, trajectory, thickness, contact; and slit_width, touch.
     seconds : float
     """
 
@@ -86,6 +89,7 @@ def checked_options(
     drive: str = "free",
     trajectory: str | None = None,
     thickness: float = 0.0,
+    contact: bool = True,
 ) -> dict[str, Any]:
     """Return the options of a deployment, those of lambda once each, in the order given.
 
@@ -105,7 +109,7 @@ def checked_options(
         raise ParameterError(f"thickness: expected a number of at least 0, got {thickness}")
     named = {"torsion": values, "steps": steps, "drive": drive}
     named["trajectory"] = None if trajectory is None else checked_trajectory(trajectory)
-    return {**named, "thickness": float(thickness)}
+    return {**named, "thickness": float(thickness), "contact": bool(contact)}
 
 
 @on_one_thread
@@ -134,7 +138,7 @@ def deploy_with_collisions(
     began = time.perf_counter()
     asked = checked_options(**options)
     slit_width = float(run.result["kerf"])
-    way = {name: asked[name] for name in ("torsion", "steps", "drive", "trajectory")}
+    way = {name: asked[name] for name in ("torsion", "steps", "drive", "trajectory", "contact")}
     tiles = run.tessellation.tiles
     # what is wrong with the thickness is told before all work
     path_collisions([run.deployed], tiles, np.zeros(1), asked["thickness"], slit_width)
@@ -142,10 +146,10 @@ def deploy_with_collisions(
     found = deploy_run(run, **way, progress=progress)
     stage("looking for collisions")
     met = tuple(
-        path_collisions(list(path.points), tiles, path.fractions, asked["thickness"], slit_width)
+        path_collisions(list(path.points), tiles, path.fractions, asked["thickness"], slit_width, TOUCHING)
         for path in found.paths
     )
-    options = {**asked, "trajectory": found.trajectory, "slit_width": slit_width}
+    options = {**asked, "trajectory": found.trajectory, "slit_width": slit_width, "touch": TOUCHING}
     return DeployedRun(run, found, met, options, time.perf_counter() - began)
 
 

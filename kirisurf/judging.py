@@ -271,12 +271,18 @@ def _finite(values: np.ndarray) -> np.ndarray:
 
 @on_one_thread
 def path_collisions(
-    states: Sequence[np.ndarray], tiles: Loops, shares: np.ndarray, thickness: float = 0.0, slit_width: float = 0.0
+    states: Sequence[np.ndarray],
+    tiles: Loops,
+    shares: np.ndarray,
+    thickness: float = 0.0,
+    slit_width: float = 0.0,
+    touch: float | None = None,
 ) -> PathCollisions:
     """Return the collisions along a path, see :func:`analysis.collision_path.path_collisions`."""
     from analysis.collision_path import path_collisions
+    from analysis.collisions import TOUCH
 
-    return path_collisions(states, tiles, shares, thickness, slit_width)
+    return path_collisions(states, tiles, shares, thickness, slit_width, TOUCH if touch is None else touch)
 
 
 def regression() -> Any:

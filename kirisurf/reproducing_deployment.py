@@ -50,10 +50,10 @@ def snapping(design: Design, steps: int = STEPS, shares: Sequence[float] = SHARE
         Where there is no transition: the sheet is a mechanism, or never rests open.
     """
     ends = design.tessellation, design.contracted_points, design.deployed_points
-    transition = deploy(*ends, torsion=0.0, steps=2).transition
+    transition = deploy(*ends, torsion=0.0, steps=2, contact=False).transition
     if transition is None or not 0 < transition < math.inf:
         raise UnusableError("deployment: expected a lambda at which the open state is lost, got none")
-    found = deploy(*ends, torsion=[share * transition for share in shares], steps=steps)
+    found = deploy(*ends, torsion=[share * transition for share in shares], steps=steps, contact=False)
     tiles = design.tessellation.tiles
     met = tuple(path_collisions(list(path.points), tiles, path.fractions) for path in found.paths)
     return Snapping(found, met, transition)

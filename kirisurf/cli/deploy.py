@@ -64,6 +64,13 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--thickness", metavar="LENGTH", type=number, help="of the sheet, for collisions in space (default: 0)"
     )
+    parser.add_argument(
+        "--no-contact",
+        dest="contact",
+        action="store_false",
+        default=None,
+        help="let tiles overlap at slits in the plane, as in the paper",
+    )
     parser.add_argument("--no-animation", action="store_true", help="write no film")
     parser.set_defaults(run=run)
 
@@ -80,7 +87,7 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     )
     from kirisurf.runs import read_run
 
-    names = ("torsion", "steps", "drive", "trajectory", "thickness")
+    names = ("torsion", "steps", "drive", "trajectory", "thickness", "contact")
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
     checked_options(**given)
     read = read_run(arguments.folder)
@@ -132,7 +139,7 @@ def _collision_words(path: Mapping[str, Any]) -> str:
     met = path["collisions"]
     widest = met["widest_free_opening"]
     if met["is_free"]:
-        return f"no tiles collide, up to a mean opening of {_degrees(widest)}"
+        return f"no tiles collide (they may touch), up to a mean opening of {_degrees(widest)}"
     first, last = (f"{100 * each:.0f} %" for each in met["between"])
     pairs = "1 pair of tiles collides" if met["most"] == 1 else f"{met['most']} pairs of tiles collide"
     free = "in every state" if widest is None else f"widest state without: mean opening {_degrees(widest)}"

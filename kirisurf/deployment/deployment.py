@@ -89,6 +89,7 @@ def deploy(
     drive: str | Sequence[int] = "free",
     trajectory: str | None = None,
     dimension: int | None = None,
+    contact: bool = True,
     admissible: float = ADMISSIBLE,
     should_stop: ShouldStop | None = None,
     progress: Progress | None = None,
@@ -112,6 +113,8 @@ def deploy(
         space, by default), or along straight lines, as in the paper.
     dimension : int, optional
         2 or 3; by default 2 where the deployed sheet is planar.
+    contact : bool
+        Keep the sides of slits from overlapping, in the plane; False for the energy of the paper.
     admissible : float
         Strain up to which tiles may be strained on the way, for the verdict.
     should_stop : callable, optional
@@ -143,7 +146,7 @@ def deploy(
     name = drive if isinstance(drive, str) else "vertices"
     points = _in_dimension(np.asarray(deployed, float), dimension)
     trajectory = usual_trajectory(points.shape[1]) if trajectory is None else checked_trajectory(trajectory)
-    energy = energy_of(tessellation, np.asarray(contracted, float), 0.0, points.shape[1])
+    energy = energy_of(tessellation, np.asarray(contracted, float), 0.0, points.shape[1], contact)
     if not len(energy.hinges.stencil):
         raise UnusableError("tessellation: expected slits, got a sheet without: it has nothing to open")
     guide = Guide(tessellation, np.asarray(contracted, float), points)

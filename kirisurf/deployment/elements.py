@@ -11,12 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from kirisurf.deployment.angles import signed_angles, squared_angles
+from kirisurf.deployment.angles import signed_angles, smooth_angles, squared_angles
 from kirisurf.errors import UnusableError
 from kirisurf.vectors import cross, dot
 
 SHORTEST = 1e-9
 """Part of its rest length below which a rod has no direction: there the angle of a fold or slit is none."""
+
+SOFT = 0.01
+"""Overlap of two tiles at a slit, radians, over which their contact grows stiff."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +95,41 @@ class Hinges:
 
 
 @dataclass(frozen=True, eq=False)
+class Contacts:
+    """Springs that keep the two sides of a slit apart in the plane: the square of the angle by which they overlap.
+
+    An angle above 0 costs nothing. Between 0 and -d, with d = `SOFT`, the stiffness grows evenly, so that second
+    derivatives have no step: t^3 / (3 d) for an overlap t below d, and t^2 - d t + d^2 / 3 above.
+
+    Attributes
+    ----------
+    stencil : (k, 3)
+        As of the hinges.
+    """
+
+    stencil: Int[np.ndarray, "k 3"]
+
+    def values(self, vectors: Float[np.ndarray, "2 2 k"]) -> Float[np.ndarray, " k"]:
+        """Return the energy of every contact."""
+        over = np.maximum(-signed_angles(vectors[0], vectors[1]), 0.0)
+        return np.where(over < SOFT, over**3 / (3 * SOFT), over**2 - SOFT * over + SOFT**2 / 3)
+
+    def derivatives(
+        self, vectors: Float[np.ndarray, "2 2 k"], curved: bool = True
+    ) -> tuple[Float[np.ndarray, "2 2 k"], dict[tuple[int, int], Float[np.ndarray, "2 2 k"]]]:
+        """Return first and second derivatives."""
+        angle = signed_angles(vectors[0], vectors[1])
+        over = np.maximum(-angle, 0.0)
+        slope = -np.where(over < SOFT, over**2 / SOFT, 2 * over - SOFT)
+        bend = 2 * np.minimum(over / SOFT, 1.0)
+        _, (first, second) = smooth_angles(vectors[0], vectors[1], angle)
+        turned = slope if curved else np.zeros_like(slope)
+        return slope * first, {
+            (i, j): bend * first[i][:, None] * first[j][None] + turned * second[i, j] for i, j in second
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class Folds:
     """Springs against folding: (det(u, v, w) / s)^2, the height of a corner over the plane of three others.
 
@@ -159,7 +197,7 @@ def folds_of(
     return stencil, np.repeat(most**1.5, size - 3)
 
 
-Elements = Rods | Hinges | Folds
+Elements = Rods | Hinges | Contacts | Folds
 """Equal elements: k of them, each on the vectors from the first vertex of its stencil to the others.
 
 `values` are their energies, `derivatives` the first by the vectors and the second by pairs (i, j) of them with i <= j;

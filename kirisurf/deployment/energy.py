@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from kirisurf.arrays import checked, frozen
-from kirisurf.deployment.elements import Elements, Folds, Hinges, Rods, folds_of
+from kirisurf.deployment.elements import Contacts, Elements, Folds, Hinges, Rods, folds_of
 from kirisurf.deployment.stiffness import Gathering, Stiffness
 from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.tessellation import Tessellation
@@ -38,19 +38,20 @@ class Energy:
 
     ::
 
-        E(x) = 1/Ns sum ((|xi - xj| - lij) / lij)^2 + 1/Ns sum (height / width)^2 + lambda 1/Nc sum theta^2
+        E(x) = 1/Ns sum ((|xi - xj| - lij) / lij)^2 + lambda 1/Nc sum theta^2 + 1/Ns sum (...)
 
     The first sum is over the Ns rods: every two corners of a tile, so that its sides and all its diagonals; their
-    rest lengths are those of the contracted sheet. The second, in space only, keeps tiles flat, with the weight of a
-    rod: see :class:`kirisurf.deployment.elements.Folds`. The third is over the Nc slit ends, which are closed at rest.
-    E is a number: it does not change with the unit of length.
+    rest lengths are those of the contracted sheet. The second is over the Nc slit ends, which are closed at rest. The
+    third has no part in the paper, and terms with the weight of a rod: in space it keeps tiles flat, in the plane the
+    two sides of a slit from overlapping; see :class:`kirisurf.deployment.elements.Folds` and
+    :class:`kirisurf.deployment.elements.Contacts`. E is a number: it does not change with the unit of length.
 
     Attributes
     ----------
     rods : Rods
     hinges : Hinges
-    folds : Folds or None
-        None in the plane.
+    bounds : Folds, Contacts or None
+        Folds in space, contacts in the plane; None where there are none, or contacts are left out.
     torsion : float
         lambda.
     n_vertices, dimension : int
@@ -65,7 +66,7 @@ class Energy:
 
     rods: Rods
     hinges: Hinges
-    folds: Folds | None
+    bounds: Folds | Contacts | None
     torsion: float
     n_vertices: int
     dimension: int
@@ -77,13 +78,13 @@ class Energy:
     @cached_property
     def elements(self) -> tuple[Elements, ...]:
         """The kinds of elements."""
-        return (self.rods, self.hinges) if self.folds is None else (self.rods, self.hinges, self.folds)
+        return (self.rods, self.hinges) if self.bounds is None else (self.rods, self.hinges, self.bounds)
 
     @cached_property
     def weights(self) -> tuple[float, ...]:
         """Weight of each kind in the energy."""
         rod, slit = 1.0 / len(self.rods.stencil), self.torsion / max(len(self.hinges.stencil), 1)
-        return (rod, slit) if self.folds is None else (rod, slit, rod)
+        return (rod, slit) if self.bounds is None else (rod, slit, rod)
 
     @cached_property
     def gathering(self) -> Gathering:
@@ -98,14 +99,14 @@ class Energy:
     def with_torsion(self, torsion: float) -> Energy:
         """Return the same sheet with another lambda, sharing what does not change."""
         other = Energy(
-            self.rods, self.hinges, self.folds, checked_torsion(torsion), self.n_vertices, self.dimension,
+            self.rods, self.hinges, self.bounds, checked_torsion(torsion), self.n_vertices, self.dimension,
             self.length, self.area, self.rod_tiles, self.n_tiles,
         )  # fmt: skip
         other.__dict__["gathering"] = self.gathering
         return other
 
     def parts(self, points: Float[np.ndarray, "n d"]) -> tuple[float, float, float]:
-        """Return the energies of rods, of slits and of folds; their sum is E."""
+        """Return the energies of rods, of slits and of folds or contacts; their sum is E."""
         vectors = self.gathering.vectors(points)
         found = [
             w * float(kind.values(v).sum()) for w, kind, v in zip(self.weights, self.elements, vectors, strict=True)
@@ -166,7 +167,11 @@ class Energy:
 
 
 def energy_of(
-    tessellation: Tessellation, contracted: Float[np.ndarray, "n 2"], torsion: float = 0.0, dimension: int = 3
+    tessellation: Tessellation,
+    contracted: Float[np.ndarray, "n 2"],
+    torsion: float = 0.0,
+    dimension: int = 3,
+    contact: bool = True,
 ) -> Energy:
     """Return the energy of a sheet whose rest state is the contracted one.
 
@@ -179,6 +184,8 @@ def energy_of(
         lambda: stiffness of the slits' torsional springs over that of the rods.
     dimension : int
         2 in the plane, 3 in space.
+    contact : bool
+        Keep the sides of slits from overlapping, in the plane; False for the energy of the paper.
 
     Raises
     ------
@@ -216,11 +223,14 @@ def energy_of(
         raise UnusableError(
             f"tile {owner[lengths.argmin()]}: expected corners apart from each other, got two in one place"
         )
-    hinges = tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2]]
+    hinges = frozen(tessellation.hinges[tessellation.slit_ends][:, [1, 0, 2]], np.int64)
+    bounds: Folds | Contacts | None = Contacts(hinges) if contact and dimension == 2 else None
+    if folds:
+        bounds = Folds(frozen(np.concatenate(folds), np.int64), frozen(np.concatenate(scales)))
     return Energy(
         Rods(frozen(rods, np.int64), frozen(lengths)),
-        Hinges(frozen(hinges, np.int64)),
-        Folds(frozen(np.concatenate(folds), np.int64), frozen(np.concatenate(scales))) if folds else None,
+        Hinges(hinges),
+        bounds,
         checked_torsion(torsion),
         tessellation.n_vertices,
         dimension,

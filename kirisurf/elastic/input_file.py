@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from kirisurf.arrays import checked, frozen
+from kirisurf.deployment.drive import driven_vertices
 from kirisurf.elastic.calculix import Drive, Material, calculix_text
 from kirisurf.elastic.sheet_mesh import SheetMesh, sheet_mesh
 from kirisurf.errors import ParameterError, UnusableError
@@ -35,7 +36,7 @@ def export_elastic(
     young: float = 1.0,
     poisson: float = 0.3,
     hinge_width: float | None = None,
-    drive: str = "rim",
+    drive: str | Sequence[int] = "rim",
     states: Sequence[ArrayLike] | np.ndarray | None = None,
     steps: int = STEPS,
     refinement: int = 4,
@@ -60,11 +61,12 @@ def export_elastic(
         From 0 to less than 0.5.
     hinge_width : float, units, optional
         Length of the ligaments along the slits; by default that of the run.
-    drive : 'rim' or 'corners'
-        Which vertices are moved: the outer ones, or four of them, the farthest out along the diagonals.
+    drive : 'rim', 'corners' or sequence of int
+        Which vertices are moved: the outer ones, four of them, the farthest out along the diagonals, or these numbers.
     states : (k, n, 3) or a sequence of states, units, optional
-        The way, from the flat sheet to the deployed one: the driven vertices go through these. By default every tile
-        turns evenly, which is no mechanism but near one where there is one.
+        The way, from the flat sheet to the deployed one: the driven vertices go through these, for example the points
+        of a path of :func:`kirisurf.deployment.deploy_run`. By default every tile turns evenly, which is no mechanism
+        but near one where there is one.
     steps : int
         Number of steps of the default way.
     refinement : int
@@ -105,7 +107,7 @@ def elastic_text(
     states: Sequence[ArrayLike] | np.ndarray,
     material: Material,
     hinge_width: float | None = None,
-    drive: str = "rim",
+    drive: str | Sequence[int] = "rim",
     refinement: int = 4,
     units: str | None = None,
     about: Sequence[str] = (),
@@ -142,7 +144,7 @@ def elastic_text(
     """
     mesh = sheet_mesh(tessellation, contracted, hinge_width, refinement)
     way = placed_states(contracted, states)
-    vertices = _driven(tessellation, contracted, drive)
+    vertices = _driven(tessellation, drive)
     flat = np.pad(mesh.nodes[mesh.vertices], ((0, 0), (0, 1)))
     shifts = np.stack([state[vertices] - flat[vertices] for state in way])
     return calculix_text(
@@ -150,15 +152,11 @@ def elastic_text(
     )
 
 
-def _driven(tessellation: Tessellation, contracted: np.ndarray, drive: str) -> np.ndarray:
+def _driven(tessellation: Tessellation, drive: str | Sequence[int]) -> np.ndarray:
     """Vertices (k,) that a drive moves, each once."""
-    if drive not in DRIVES:
-        raise ParameterError(f"drive: expected one of {', '.join(DRIVES)}, got {drive!r}")
-    outline = tessellation.outline
-    if drive == "corners":
-        flat = contracted[outline]
-        outline = outline[[int(np.argmax(flat @ np.array(way))) for way in ((-1, -1), (1, -1), (1, 1), (-1, 1))]]
-    return np.unique(outline)
+    if isinstance(drive, str) and drive not in DRIVES:
+        raise ParameterError(f"drive: expected one of {', '.join(DRIVES)}, or numbers of vertices, got {drive!r}")
+    return np.flatnonzero(driven_vertices(tessellation, drive if isinstance(drive, str) else np.asarray(drive)))
 
 
 def placed_states(

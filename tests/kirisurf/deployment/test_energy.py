@@ -7,6 +7,7 @@ import pytest
 from scipy.sparse import tril, triu
 from scipy.spatial.transform import Rotation
 
+from kirisurf.deployment.elements import SOFT, Contacts
 from kirisurf.deployment.energy import Energy, energy_of
 from kirisurf.derive import derive_tessellation
 from kirisurf.errors import ParameterError, UnusableError
@@ -140,7 +141,7 @@ def test_an_angle_beyond_half_a_turn_goes_on_growing() -> None:
 def test_small_angles_in_space_are_smooth(angle: float) -> None:
     square = squares(1, 1)
     energy = energy_of(square, square.contracted, 1.0, 3)
-    flat = energy_of(square, square.contracted, 1.0, 2)
+    flat = energy_of(square, square.contracted, 1.0, 2, contact=False)
     hinge, first, second = energy.hinges.stencil[0]
     points = lifted(square.deployed)
     points[first] = points[hinge] + [1.0, 0.0, 0.0]
@@ -154,6 +155,32 @@ def test_small_angles_in_space_are_smooth(angle: float) -> None:
         stiffness = one.stiffness(numbers)
         matrices.append(stiffness.matrix(stiffness.numbers(one.evaluate(at).bends)).toarray())
     np.testing.assert_allclose(matrices[0], matrices[1], atol=1e-8)
+
+
+@pytest.mark.parametrize("over", [0.3 * SOFT, 0.999 * SOFT, 1.001 * SOFT, 40 * SOFT])
+def test_contacts_resist_overlap_alone_and_smoothly(over: float) -> None:
+    square = squares(1, 1, 0.5)
+    contact = energy_of(square, square.contracted, 0.0, 2).bounds
+    assert isinstance(contact, Contacts)
+    u = np.array([[0.8], [0.1]])
+
+    def at(angle: float) -> np.ndarray:
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        return np.stack([u, 1.7 * turn @ u])
+
+    assert contact.values(at(over)).max() == 0.0
+    assert over**2 - SOFT * over <= contact.values(at(-over))[0] <= over**2
+    here, along = at(-over), np.random.default_rng(0).standard_normal((2, 2, 1))
+    (slope, bends), small = contact.derivatives(here), 1e-5
+    first, second = (contact.derivatives(here + sign * small * along)[0] for sign in (1, -1))
+    rise = contact.values(here + small * along) - contact.values(here - small * along)
+    np.testing.assert_allclose(rise / (2 * small), [(slope * along).sum()], atol=1e-6)
+    expected = np.zeros((2, 2))
+    for (i, j), bend in bends.items():
+        expected[i] += bend[:, :, 0] @ along[j, :, 0]
+        if i != j:
+            expected[j] += bend[:, :, 0].T @ along[i, :, 0]
+    np.testing.assert_allclose(((first - second) / (2 * small))[:, :, 0], expected, atol=1e-5)
 
 
 @pytest.mark.parametrize("torsion", [-1e-9, np.nan, np.inf])

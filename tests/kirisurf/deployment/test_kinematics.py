@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kirisurf.deployment.elements import Folds
 from kirisurf.deployment.energy import Energy, energy_of
 from kirisurf.deployment.kinematics import INDEPENDENT, n_mechanisms
 from tests.kirisurf.deployment.patterns import bumpy, circle, hypar, kagome, lifted, squares
@@ -16,8 +17,8 @@ def by_singular_values(energy: Energy, points: np.ndarray) -> int:
     def measures(at: np.ndarray) -> np.ndarray:
         vectors = energy.gathering.vectors(at)
         rows = [energy.rods.strains(vectors[0])]
-        if energy.folds is not None:
-            rows.append(energy.folds.heights(vectors[2]))
+        if isinstance(energy.bounds, Folds):
+            rows.append(energy.bounds.heights(vectors[2]))
         return np.concatenate(rows)
 
     step, columns = 1e-6 * energy.length, []

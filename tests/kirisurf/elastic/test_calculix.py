@@ -143,3 +143,17 @@ def test_rotating_squares_pulled_open_follow_their_mechanism_and_cost_the_square
     ratio = 2 * work / (len(pattern.edge_pairs) * angle**2) / (thickness * width**2)
     assert (ratio > DEEP_CRACK).all()
     assert (ratio < 2.5 * DEEP_CRACK).all()
+
+
+def test_the_energy_of_an_open_sheet_does_not_depend_on_the_way_there(tmp_path):
+    """Along the mechanism and along straight lines, which squeeze the tiles: the material is elastic."""
+    pattern, states = rotating_squares(np.linspace(0.0, 0.2, 3))
+    straight = [states[0], 0.5 * (states[0] + states[-1]), states[-1]]
+    work = []
+    for name, way in (("turning", states), ("straight", straight)):
+        (tmp_path / name).mkdir()
+        text = elastic_text(pattern, states[0], way, Material(1.0, 0.3, 0.05), 0.05, "rim", 2)
+        found = solved(tmp_path / name, text)
+        work.append([found.at(1.0), found.at(2.0)])
+    assert work[1][0] > 1.1 * work[0][0]
+    assert work[1][1] == pytest.approx(work[0][1], rel=0.02)

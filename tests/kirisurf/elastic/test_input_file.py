@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import kirisurf
+from kirisurf.deployment import deploy_run
 from kirisurf.elastic.calculix import Material
 from kirisurf.elastic.input_file import elastic_text, export_elastic, placed_states
 from kirisurf.elastic.sheet_mesh import sheet_mesh
@@ -132,6 +133,42 @@ def test_a_run_is_written(run, tmp_path):
     assert apart[0] == pytest.approx(apart[1], abs=1e-9)  # the rim of the deployed sheet, moved rigidly
     again = export_elastic(run, tmp_path / "again.inp", thickness=0.01, steps=3)
     assert again.read_bytes() == written.read_bytes()
+
+
+def test_the_rim_goes_through_the_states_of_a_computed_path(run, tmp_path):
+    """Distances between driven vertices are those of every state; that of the default way at the end."""
+    path = deploy_run(run, torsion=0.0, steps=6).paths[0]
+    text = export_elastic(run, tmp_path / "path.inp", thickness=0.01, states=path.points).read_text()
+    nodes, _ = reading.mesh(text)
+    steps = reading.drives(text)
+    assert len(steps) == 6
+    apart = []
+    for state, step in zip(path.points[1:], steps, strict=True):
+        which = sorted({node for node, _ in step})
+        places = np.array([nodes[node] + [step[node, axis] for axis in range(3)] for node in which])
+        apart.append(np.linalg.norm(places[:, None] - places[None], axis=2))
+        assert apart[-1] == pytest.approx(np.linalg.norm(state[which][:, None] - state[which][None], axis=2), abs=1e-9)
+    usual = reading.drives(export_elastic(run, tmp_path / "usual.inp", thickness=0.01, steps=1).read_text())[-1]
+    assert list(usual.values()) == pytest.approx(list(steps[-1].values()), abs=1e-9)
+
+
+def test_a_planar_path_keeps_the_sheet_in_its_plane(tmp_path):
+    run = kirisurf.fit("circle", cells=(1, 1)).save(tmp_path / "run", pictures=False)
+    path = deploy_run(run, torsion=0.0, steps=4).paths[0]
+    steps = reading.drives(export_elastic(run, tmp_path / "a.inp", thickness=0.01, states=path.points).read_text())
+    assert len(steps) == 4
+    assert all(value == 0 for step in steps for (_, axis), value in step.items() if axis == 2)
+
+
+def test_any_vertices_may_be_moved(run, tmp_path):
+    written = export_elastic(run, tmp_path / "a.inp", thickness=0.01, steps=1, drive=[5, 0, 5])
+    nodes = reading.mesh(written.read_text())[0]
+    moved = {node for node, _ in reading.drives(written.read_text())[0]}
+    assert nodes[sorted(moved), :2] == pytest.approx(run.contracted[[0, 5]], abs=1e-9)
+    with pytest.raises(ParameterError, match="drive"):
+        export_elastic(run, tmp_path / "b.inp", thickness=0.01, drive="free")
+    with pytest.raises(ParameterError, match="numbers of vertices"):
+        export_elastic(run, tmp_path / "b.inp", thickness=0.01, drive=[10**6])
 
 
 def test_finer_ways_end_at_the_same_place(run, tmp_path):
