@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
 
 from viewers import theme
+from viewers.deployment_curves import NOTHING, ROOM, Curve, dot, draw_curves, draw_legend, power_words
 from viewers.moving_sheet import MovingSheet, deployment_film, strain_colors
-from viewers.words import number
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["Curve", "MovingSheet", "deployment_figure", "deployment_film"]
@@ -25,9 +22,7 @@ FAR_APART = 12.0
 
 _WIDTH, _DPI, _COLORS = 9.0, 150, 200
 _LEFT, _RIGHT = 0.095, 0.975
-_ROOM = 0.125
-_STRIP, _PANEL, _HEAD, _FOOT = 1.75, 3.0, 1.0, 0.36
-_NOTHING = 1e-12
+_STRIP, _LEAST_STRIP, _PANEL, _HEAD, _FOOT = 1.75, 0.7, 3.0, 1.0, 0.36
 _GAP = 0.14
 _MEANING = "E: mean squared strain of the springs in the tiles, plus λ times the mean squared angle of the slits"
 _AXES = {
@@ -47,35 +42,6 @@ _STYLE: Any = {
     "text.color": theme.INK,
     "text.parse_math": True,
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """The energy along a path.
-
-    Attributes
-    ----------
-    torsion : float
-        lambda.
-    places : (k,)
-        Mean opening of the slits over that of the deployed sheet, or part of the way of what is moved.
-    energies : (k,)
-        Without unit.
-    rests, tops : tuple of (place, energy)
-        Where the sheet rests by itself, and the barriers between.
-    contact : (place, energy) or None
-        Where tiles first collide.
-    words : str
-        What the sheet does.
-    """
-
-    torsion: float
-    places: Float[np.ndarray, " k"]
-    energies: Float[np.ndarray, " k"]
-    rests: tuple[tuple[float, float], ...]
-    tops: tuple[tuple[float, float], ...]
-    contact: tuple[float, float] | None
-    words: str
 
 
 def deployment_figure(
@@ -112,23 +78,24 @@ def deployment_figure(
 
     groups = _groups(curves)
     legend = 0.22 * max(len(curves) + (transition is not None), 3) + 0.12
-    height = _HEAD + _STRIP + len(groups) * _PANEL + _FOOT + legend
+    tall = _strip_height(sheet, len(rows))
+    height = _HEAD + tall + len(groups) * _PANEL + _FOOT + legend
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(_WIDTH, height), dpi=_DPI, facecolor=theme.PAPER)
         FigureCanvasAgg(figure)
         figure.text(0.035, 1 - 0.3 / height, title, fontsize=13, va="center", parse_math=False)
         figure.text(0.035, 1 - 0.57 / height, _MEANING, fontsize=9.5, color=theme.MUTED, va="center")
-        strip = 1 - (_HEAD + _STRIP) / height
-        _strip(figure, sheet, curves[0], rows, strip, _STRIP / height)
+        strip = 1 - (_HEAD + tall) / height
+        _strip(figure, sheet, curves[0], rows, strip, tall / height)
         for k, group in enumerate(groups):
             base = strip - ((k + 1) * _PANEL - 0.28) / height
             axes = figure.add_axes((_LEFT, base, _RIGHT - _LEFT, (_PANEL - 0.42) / height))
             axis = _AXES["free" if drive == "free" else "moved"] if k == len(groups) - 1 else ""
-            _panel(axes, [curves[i] for i in group], group, curves[0].places[list(rows)], axis)
+            draw_curves(axes, [curves[i] for i in group], group, curves[0].places[list(rows)], axis)
             if 0 in group:
                 at = list(rows)
-                axes.plot(curves[0].places[at], curves[0].energies[at], "o", **_dot(theme.SERIES[0], 5.0))
-        _legend(figure, curves, transition, legend / height)
+                axes.plot(curves[0].places[at], curves[0].energies[at], "o", **dot(theme.SERIES[0], 5.0))
+        draw_legend(figure, curves, transition, (_LEFT, _RIGHT), legend / height)
         return _written(figure)
 
 
@@ -138,34 +105,45 @@ def _groups(curves: Sequence[Curve]) -> list[list[int]]:
     groups: list[list[int]] = []
     lowest = 0.0
     for k in sorted(range(len(curves)), key=lambda k: heights[k]):
-        if groups and (lowest <= _NOTHING or heights[k] <= FAR_APART * lowest):
+        if groups and (lowest <= NOTHING or heights[k] <= FAR_APART * lowest):
             groups[-1].append(k)
-            lowest = lowest if lowest > _NOTHING else heights[k]
+            lowest = lowest if lowest > NOTHING else heights[k]
         else:
             groups.append([k])
             lowest = heights[k]
     return [sorted(group) for group in groups]
 
 
+def _slot(count: int) -> float:
+    """Width of a state above the panels, as a part of the page."""
+    return 0.97 * (_RIGHT - _LEFT) / (1 + 2 * ROOM) / max(1, count - 1)
+
+
+def _strip_height(sheet: MovingSheet, count: int) -> float:
+    """Height that states need above the panels, in inches: sheets that lie low leave no empty band."""
+    width, height = sheet.extent
+    return float(np.clip(1.1 * _slot(count) * _WIDTH * height / width, _LEAST_STRIP, _STRIP))
+
+
 def _strip(figure: Figure, sheet: MovingSheet, curve: Curve, rows: Sequence[int], base: float, height: float) -> None:
     """The sheet on its way, every state tied to its place, with the scale of strain at the right."""
     from matplotlib.lines import Line2D
 
-    width = (_RIGHT - _LEFT) / (1 + 2 * _ROOM)
-    slot = 0.97 * width / max(1, len(rows) - 1)
-    size = round(slot * _WIDTH * _DPI), round(0.97 * _STRIP * _DPI)
+    width = (_RIGHT - _LEFT) / (1 + 2 * ROOM)
+    slot = _slot(len(rows))
     page = figure.get_size_inches()[1]
+    size = round(slot * _WIDTH * _DPI), round(0.97 * height * page * _DPI)
     for k, row in enumerate(rows):
         share = k / max(1, len(rows) - 1)
-        middle = _LEFT + width * (_ROOM + share)
+        middle = _LEFT + width * (ROOM + share)
         axes = figure.add_axes((middle - 0.5 * slot, base, slot, 0.97 * height))
         axes.imshow(np.asarray(sheet.picture(k, size)), interpolation="lanczos")
         axes.set_axis_off()
         # sheets stand evenly, their places on the curve may not
-        place = _LEFT + width * (_ROOM + float(np.clip(curve.places[row], -_ROOM, 1 + _ROOM)))
+        place = _LEFT + width * (ROOM + float(np.clip(curve.places[row], -ROOM, 1 + ROOM)))
         ends = (middle, place), (base - 0.02 / page, base - _GAP / page)
         figure.add_artist(Line2D(*ends, color=theme.HAIRLINE, linewidth=0.9))
-    words = f"sheet at λ = {_power(curve.torsion)}" + ("" if sheet.is_strained else ", without strain")
+    words = f"sheet at λ = {power_words(curve.torsion)}" + ("" if sheet.is_strained else ", without strain")
     y = base + height + 0.12 / page
     small = {"fontsize": 8.5, "color": theme.MUTED, "va": "center"}
     if not sheet.is_strained:
@@ -177,72 +155,6 @@ def _strip(figure: Figure, sheet: MovingSheet, curve: Curve, rows: Sequence[int]
     bar.set_axis_off()
     figure.text(left - 0.008, y, f"{words}; largest strain of a tile:  0", ha="right", **small)
     figure.text(left + width + 0.008, y, f"{100 * sheet.largest_strain:.2g} %", ha="left", **small)
-
-
-def _panel(axes: Axes, curves: Sequence[Curve], numbers: Sequence[int], shown: np.ndarray, axis: str) -> None:
-    highest = max(float(curve.energies.max()) for curve in curves)
-    top = highest if highest > _NOTHING else 1.0
-    power = int(np.floor(np.log10(top))) if highest > _NOTHING else 0
-    for x in shown.tolist():
-        axes.axvline(x, color=theme.HAIRLINE, linewidth=0.8, zorder=0)
-    for curve, k in zip(curves, numbers, strict=True):
-        color = theme.SERIES[k % len(theme.SERIES)]
-        axes.plot(curve.places, curve.energies, color=color, linewidth=1.8, solid_capstyle="round")
-        for marks, marker, size in ((curve.rests, "o", 8.0), (curve.tops, "^", 8.5)):
-            if marks:
-                axes.plot(*np.array(marks).T, marker, **_dot(color, size), clip_on=False, zorder=5)
-        if curve.contact is not None:
-            axes.plot(*curve.contact, "X", **_dot(color, 8.0), clip_on=False, zorder=6)
-    ends = np.concatenate([curve.places for curve in curves])
-    axes.set_xlim(min(-_ROOM, float(ends.min())), max(1 + _ROOM, float(ends.max())))
-    axes.set_ylim(-0.04 * top, 1.12 * top)
-    if highest <= _NOTHING:
-        axes.set_yticks([0.0])
-        axes.text(0.5, 0.5, "E = 0 all the way: no tile is strained", ha="center", color=theme.MUTED)
-    axes.grid(axis="y", color=theme.HAIRLINE, linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.set_xticks(np.linspace(0, 1, 5), ["0", "0.25", "0.5", "0.75", "1"] if axis else [""] * 5)
-    factor = 10.0**power
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value / factor:g}")
-    axes.set_ylabel(f"energy E  ($10^{{{power}}}$)" if power else "energy E")
-    axes.set_xlabel(axis)
-
-
-def _legend(figure: Figure, curves: Sequence[Curve], transition: float | None, height: float) -> None:
-    """Below the panels: what every curve is, and what the marks mean."""
-    from matplotlib.lines import Line2D
-
-    lines = [Line2D([], [], color=theme.SERIES[k % len(theme.SERIES)], linewidth=1.8) for k in range(len(curves))]
-    words = [f"λ = {_power(curve.torsion)}: {curve.words}" for curve in curves]
-    if transition is not None:
-        lines.append(Line2D([], [], linestyle="none"))
-        words.append(f"up to λ = {_power(transition)} it rests open by itself")
-    corner = (_LEFT - 0.01, height)
-    common = {"fontsize": 9.5, "borderaxespad": 0.0, "handletextpad": 0.7}
-    figure.legend(lines, words, loc="upper left", bbox_to_anchor=corner, **common)
-    marks = [("o", "rests by itself")] if any(curve.rests for curve in curves) else []
-    marks += [("^", "barrier")] if any(curve.tops for curve in curves) else []
-    marks += [("X", "tiles first collide")] if any(curve.contact for curve in curves) else []
-    dots = [Line2D([], [], linestyle="none", marker=marker, **_dot(theme.MUTED, 7.5)) for marker, _ in marks]
-    corner = (_RIGHT, height)
-    figure.legend(dots, [words for _, words in marks], loc="upper right", bbox_to_anchor=corner, **common)
-
-
-def _dot(color: str, size: float) -> dict[str, Any]:
-    return {"color": color, "markersize": size, "markeredgecolor": theme.PAPER, "markeredgewidth": 1.2}
-
-
-def _power(value: float) -> str:
-    """A number with its power of ten written out."""
-    text = number(float(f"{value:.3g}"))
-    if "e" not in text and value and abs(value) < 1e-2:
-        exponent = int(np.floor(np.log10(abs(value))))
-        text = f"{value / 10.0**exponent:.3g}e{exponent}"
-    mantissa, _, exponent_text = text.partition("e")
-    if not exponent_text:
-        return mantissa
-    power = f"$10^{{{exponent_text}}}$"
-    return power if mantissa == "1" else f"{mantissa}·{power}"
 
 
 def _written(figure: Figure) -> bytes:

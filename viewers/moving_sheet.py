@@ -6,7 +6,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
@@ -25,6 +25,8 @@ UNSTRAINED = 1e-4
 
 _MARGIN, _COLORS = 0.03, 64
 _MILLISECONDS, _REST = 60, 900
+# pixels
+_FOOT, _BAR = 58, (60, 8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,16 +124,30 @@ def deployment_film(
     font, small = ImageFont.load_default(17), ImageFont.load_default(13)
     frames: list[Image.Image] = []
     for k, opening in enumerate(openings.tolist()):
-        page = Image.new("RGB", (width, height + 58), theme.PAPER)
+        page = Image.new("RGB", (width, height + _FOOT), theme.PAPER)
         page.paste(sheet.picture(k, (width, height)), (0, 0))
         canvas = ImageDraw.Draw(page)
         strain = f"largest strain {100 * float(sheet.strains[k].max()):.1f} %" if sheet.is_strained else "no strain"
         canvas.text((14, height + 8), f"open to {100 * abs(opening):.0f} %", theme.INK, font)
         canvas.text((14, height + 32), f"physical path, lambda = {torsion:g}, {drive} drive", theme.MUTED, small)
         canvas.text((width - 14, height + 8), strain, theme.INK, font, "ra")
+        if sheet.is_strained:
+            _scale(page, canvas, small, sheet.largest_strain)
         frames.append(page.quantize(_COLORS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE))
     there_and_back = [*frames, *frames[-2:0:-1]]
     seconds: Sequence[int] = [_REST if k in (0, len(frames) - 1) else _MILLISECONDS for k in range(len(there_and_back))]
     buffer = io.BytesIO()
     frames[0].save(buffer, "GIF", save_all=True, append_images=there_and_back[1:], duration=seconds, loop=0)
     return buffer.getvalue()
+
+
+def _scale(page: Image.Image, canvas: ImageDraw.ImageDraw, font: Any, largest: float) -> None:
+    """Draw the scale of strain into the lower right corner."""
+    width, (length, depth) = page.width, _BAR
+    y = page.height - _FOOT + 32
+    words = f"{100 * largest:.2g} %"
+    right = width - 14 - round(canvas.textlength(words, font)) - 6
+    colors = np.rint(255 * strain_colors()(np.linspace(0, 1, length))[:, :3]).astype(np.uint8)
+    page.paste(Image.fromarray(np.repeat(colors[None], depth, axis=0)), (right - length, y + 4))
+    canvas.text((width - 14, y), words, theme.MUTED, font, "ra")
+    canvas.text((right - length - 6, y), "0", theme.MUTED, font, "ra")

@@ -135,7 +135,8 @@ def find_barriers(energy: Energy, guide: Guide, path: Path, minima: tuple[Minimu
         points, height, is_saddle = path.points[top], float(path.energies[top]), False
         if path.drive == "free" and energy.dimension == 2 and 0 < top < len(openings) - 1:
             refined = _saddle(energy, guide, path, openings, top)
-            if refined is not None:
+            # on the other side of a jump there may be another saddle, which does not part these two
+            if refined is not None and refined[1] > max(closed.energy, opened.energy):
                 points, height, is_saddle = refined
         height = max(height, closed.energy, opened.energy)
         at = mean_opening(energy, points) / last

@@ -16,6 +16,9 @@ from kirisurf.deployment.stability import Barrier, Minimum, find_barriers, find_
 ADMISSIBLE = 0.25
 """Largest strain of a rod on the way, above which a sheet is said to need strain, whatever it does afterwards."""
 
+MOST_NAMED = 5
+"""Most states of rest that a sentence names one by one."""
+
 OPEN = 0.5
 """Part of its opening from which on a state in which a sheet rests counts as open."""
 
@@ -165,6 +168,12 @@ def _sentence(
 
 
 def _rests(minima: tuple[Minimum, ...], barriers: tuple[Barrier, ...]) -> str:
+    if len(minima) > MOST_NAMED:
+        low, high = minima[1], minima[-1]
+        return (
+            f"it rests flat and in {len(minima) - 1} more states, open to between {_percent(low.fraction)} and "
+            f"{_percent(high.fraction)}, behind barriers of up to {max((b.opening for b in barriers), default=0):.2g}"
+        )
     at = ", ".join("flat" if m.is_flat else f"open to {_percent(m.fraction)}" for m in minima)
     tops = ", ".join(f"{b.opening:.2g}" for b in barriers)
     kinds = "a barrier" if len(barriers) == 1 else "barriers"

@@ -121,7 +121,8 @@ def calculix_text(
             "S, E",
             "*NODE PRINT, NSET=DRIVEN",
             "U, RF",
-            "*NODE PRINT, NSET=VERTICES, FREQUENCY=1000",
+            # no frequency here: the solver takes the last one for all prints, and forces are wanted at every increment
+            "*NODE PRINT, NSET=VERTICES",
             "U",
             "*END STEP",
         ]

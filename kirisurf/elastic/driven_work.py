@@ -16,6 +16,7 @@ from jaxtyping import Float
 from kirisurf.arrays import frozen
 from kirisurf.errors import UnreadableError
 
+_STEP_END = 1e-6  # of a step: times are printed with seven digits
 _HEAD = re.compile(r"^ *(displacements|forces) \(\w+,\w+,\w+\) for set (\w+) and time +([-+.\dE]+) *$")
 _Rows = list[list[float]]
 
@@ -56,7 +57,7 @@ def read_driven_work(path: str | os.PathLike[str]) -> DrivenWork:
         Where the file is missing, or holds no tables of driven nodes.
     """
     tables: dict[tuple[str, str], list[_Rows]] = {}
-    times: list[float] = []
+    times: dict[str, list[float]] = {"DRIVEN": [], "VERTICES": []}
     rows: _Rows = []
     try:
         with open(path, encoding="ascii", errors="replace") as lines:
@@ -66,8 +67,8 @@ def read_driven_work(path: str | os.PathLike[str]) -> DrivenWork:
                     kind, name, time = head.groups()
                     rows = []
                     tables.setdefault((kind, name), []).append(rows)
-                    if (kind, name) == ("displacements", "DRIVEN"):
-                        times.append(float(time))
+                    if kind == "displacements" and name in times:
+                        times[name].append(float(time))
                 elif line.strip():
                     rows.append([float(x) for x in line.split()[1:]])
         shifts, forces, vertices = (
@@ -76,15 +77,21 @@ def read_driven_work(path: str | os.PathLike[str]) -> DrivenWork:
         )
     except (OSError, ValueError) as problem:
         raise UnreadableError(f"{path}: expected a table file of CalculiX, got {problem}") from None
-    if not times or shifts.shape != forces.shape or shifts.ndim != 3:
+    if not times["DRIVEN"] or shifts.shape != forces.shape or shifts.ndim != 3:
         raise UnreadableError(f"{path}: expected displacements and forces of the set DRIVEN, got none, or not as many")
     path_shifts = np.concatenate([np.zeros_like(shifts[:1]), shifts])
     path_forces = np.concatenate([np.zeros_like(forces[:1]), forces])
     steps = 0.5 * (path_forces[1:] + path_forces[:-1]) * np.diff(path_shifts, axis=0)
     return DrivenWork(
-        frozen(np.array(times)),
+        frozen(np.array(times["DRIVEN"])),
         frozen(shifts),
         frozen(forces),
         frozen(np.cumsum(steps.sum(axis=(1, 2)))),
-        frozen(vertices if vertices.ndim == 3 else np.zeros((0, 0, 3))),
+        frozen(vertices[_ends(times["VERTICES"])] if vertices.ndim == 3 else np.zeros((0, 0, 3))),
     )
+
+
+def _ends(times: list[float]) -> np.ndarray:
+    """Rows (s,) of the tables at the ends of steps, which last 1."""
+    found = np.array(times)
+    return np.flatnonzero(np.abs(found - found.round()) <= _STEP_END * np.maximum(found, 1.0))

@@ -154,6 +154,8 @@ def test_the_energy_of_an_open_sheet_does_not_depend_on_the_way_there(tmp_path):
         (tmp_path / name).mkdir()
         text = elastic_text(pattern, states[0], way, Material(1.0, 0.3, 0.05), 0.05, "rim", 2)
         found = solved(tmp_path / name, text)
+        assert len(found.times) >= 8 and len(found.vertices) == 2  # forces at every increment, vertices at every step
         work.append([found.at(1.0), found.at(2.0)])
-    assert work[1][0] > 1.1 * work[0][0]
-    assert work[1][1] == pytest.approx(work[0][1], rel=0.02)
+    # half way, tiles of a straight rim are squeezed, and ligaments turn about other points
+    assert abs(work[1][0] / work[0][0] - 1) > 0.1
+    assert work[1][1] == pytest.approx(work[0][1], rel=5e-3)

@@ -24,7 +24,7 @@ def spring(path, stiffness: float, steps: int) -> None:
         shift = np.array([[0.0, 0, 0], [u, 0, 0]])
         force = stiffness * (shift + shift**3)
         text += table("displacements", "DRIVEN", u, shift) + table("forces", "DRIVEN", u, force - force[::-1])
-    text += table("displacements", "VERTICES", 1.0, np.arange(9.0).reshape(3, 3))
+        text += table("displacements", "VERTICES", u, u * np.arange(9.0).reshape(3, 3))
     path.write_text(text)
 
 
@@ -41,6 +41,7 @@ def test_tables_are_read(tmp_path):
     found = read_driven_work(tmp_path / "m.dat")
     assert found.times == pytest.approx([0.25, 0.5, 0.75, 1.0])
     assert found.shifts.shape == found.forces.shape == (4, 2, 3)
+    # at the end of the step, and not of every increment
     assert found.vertices.tolist() == [np.arange(9.0).reshape(3, 3).tolist()]
     assert found.at(0.0) == 0.0
     assert found.at(0.5) == pytest.approx(found.work[1])

@@ -82,6 +82,12 @@ def test_the_material_is_that_of_small_strain(text):
     assert "NLGEOM" in blocks["STEP"][0]
 
 
+def test_forces_are_asked_for_at_every_increment(text):
+    """The solver takes the last frequency of a step for all prints: one alone would leave a few forces to integrate."""
+    prints = [options for name, options, _ in reading.blocks(text) if name == "NODE PRINT"]
+    assert len(prints) == 4 and not any("FREQUENCY" in options for options in prints)
+
+
 def test_driven_nodes_end_every_step_where_the_states_have_them(sheet, text):
     pattern, flat = sheet
     nodes, _ = reading.mesh(text)
