@@ -1,6 +1,6 @@
 """States in equilibrium per second on the way from flat to deployed: a Markdown table on standard output and in a file.
 
-    python tests/benchmarks/deployment.py                  20x20 and 40x40 tiles, planar and hypar, every drive
+    python tests/benchmarks/deployment.py               20x20 and 40x40 tiles, two planar sheets and hypar, every drive
     python tests/benchmarks/deployment.py --grids 8 --drives free --steps 10
 
 A sheet is followed alone, without verdict, minima and collisions; in space the way of rigid tiles, which the others
@@ -37,7 +37,11 @@ from kirisurf.design import Design  # noqa: E402
 from kirisurf.formats.atomic import write_text  # noqa: E402
 from kirisurf.one_thread import on_one_thread  # noqa: E402
 
-TARGETS = {"planar": ("circle", "rectangle:1"), "hypar": ("hypar", "free")}
+TARGETS = {
+    "disc": ("circle", "free"),
+    "square-to-disc": ("circle", "rectangle:1"),
+    "hypar": ("hypar", "free"),
+}
 TORSION = 1e-4
 COLUMNS = ("sheet", "tiles", "drive", "lambda", "states", "s", "states/s", "Newton steps", "worst residual", "end")
 
@@ -70,10 +74,11 @@ def header() -> list[str]:
 def measured(sheet: str, design: Design, drive: str, torsion: float, steps: int) -> Timed:
     """Follow a design and take the time, what is done once for a sheet included."""
     tessellation, flat, points = design.tessellation, design.contracted_points, design.deployed_points
-    points = points[:, :2] if sheet == "planar" else points
+    is_planar = sheet != "hypar"
+    points = points[:, :2] if is_planar else points
     fractions = np.linspace(0.0, 1.0, steps + 1)
     still = None
-    if sheet != "planar" and (torsion or drive != "free"):
+    if not is_planar and (torsion or drive != "free"):
         plain, guide = energy_of(tessellation, flat, 0.0, 3), Guide(tessellation, flat, points)
         still = follow_rigid(plain, guide, fractions)
     began = time.perf_counter()
@@ -83,7 +88,7 @@ def measured(sheet: str, design: Design, drive: str, torsion: float, steps: int)
         way = follow_held(energy, guide, driven_vertices(tessellation, drive), fractions, places, drive=drive)
     elif still is not None:
         way = follow_supported(energy, guide, still)
-    elif sheet == "planar":
+    elif is_planar:
         way = follow_free_planar(energy, guide, fractions)
     else:
         way = follow_rigid(energy, guide, fractions)
