@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float
 
 from kirisurf.arrays import frozen
-from kirisurf.deployment import Deployment, deploy_run
+from kirisurf.deployment import Deployment, deploy_run, energy_of, torsion_of_ligament
 from kirisurf.deployment.deployment import STEPS, TORSIONS
 from kirisurf.deployment.drive import DRIVES, checked_trajectory
 from kirisurf.deployment.energy import checked_torsion
@@ -110,6 +110,23 @@ def checked_options(
     named = {"torsion": values, "steps": steps, "drive": drive}
     named["trajectory"] = None if trajectory is None else checked_trajectory(trajectory)
     return {**named, "thickness": float(thickness), "contact": bool(contact)}
+
+
+def torsion_of_run(run: Run, hinge_width: float) -> float:
+    """Return lambda for ligaments of a width, in the units of the run, by `kirisurf.deployment.torsion_of_ligament`.
+
+    Raises
+    ------
+    ParameterError
+        Where the width is no number above 0, or no less than a tile edge.
+    """
+    energy = energy_of(run.tessellation, run.contracted[:, :2], 0.0)
+    if np.isfinite(hinge_width) and hinge_width >= energy.length:
+        raise ParameterError(
+            f"hinge width: expected less than a tile edge ({energy.length:.4g} {run.result['units']}), "
+            f"got {hinge_width:g}"
+        )
+    return torsion_of_ligament(energy, hinge_width)
 
 
 @on_one_thread

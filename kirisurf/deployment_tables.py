@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from kirisurf.deployment import Barrier, Deployment, Minimum, Path, Verdict
+from kirisurf.deployment import Barrier, Deployment, Minimum, Path, Verdict, torsion_of_ligament
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.loading import mean_opening
 from kirisurf.deployment.path import STRAINLESS
@@ -83,6 +83,7 @@ def deployment_record(deployment: Deployment, collisions: Sequence[PathCollision
         "is_rigid": deployment.verdicts[0].rigid,
         "rests_open": rests_open(deployment),
         "transition_lambda": transition_lambda(deployment),
+        "transition_hinge_width": transition_hinge_width(deployment),
         "paths": paths,
     }
 
@@ -100,6 +101,12 @@ def transition_lambda(deployment: Deployment) -> float | None:
     """Return the lambda at which a sheet stops to rest open, None where there is no such lambda."""
     value = deployment.transition
     return value if value is not None and 0 < value < math.inf else None
+
+
+def transition_hinge_width(deployment: Deployment) -> float | None:
+    """Return how wide the ligaments of a sheet of one material are at that lambda, which grows as their square."""
+    value = transition_lambda(deployment)
+    return None if value is None else math.sqrt(value / torsion_of_ligament(deployment.energy, 1.0))
 
 
 def opening_shares(

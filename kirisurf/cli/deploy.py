@@ -36,6 +36,7 @@ state is not in equilibrium: the warnings say which; 2 wrong option; 3 run unrea
 _EXAMPLES = """\
   kirisurf deploy runs/hood
   kirisurf deploy runs/disc --lambda 0 1e-4 2e-4 4e-4
+  kirisurf deploy runs/disc --hinge-width 2                     lambda from what is left standing at a slit
   kirisurf deploy runs/disc --drive rim --trajectory straight   the paper's own drive
   kirisurf deploy runs/hood --thickness 0.5 -o hood-way --no-animation"""
 
@@ -52,6 +53,13 @@ def add(commands: Any) -> None:
         nargs="+",
         type=number,
         help="stiffness of the slits over that of the tiles, one number or several (default: 0 0.0001 0.001)",
+    )
+    parser.add_argument(
+        "--hinge-width",
+        metavar="LENGTH",
+        type=number,
+        help="width of the ligaments at the ends of slits, in the units of the run: adds the lambda of a sheet that is "
+        "cut from one material",
     )
     parser.add_argument("--steps", metavar="N", type=whole, help="states after the flat one (default: 50)")
     parser.add_argument("--drive", metavar="WHAT", help="free (default) | rim | corners")
@@ -84,6 +92,7 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
         deploy_with_collisions,
         deployment_folder,
         save_deployment,
+        torsion_of_run,
     )
     from kirisurf.runs import read_run
 
@@ -91,6 +100,11 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
     checked_options(**given)
     read = read_run(arguments.folder)
+    if arguments.hinge_width is not None:
+        torsion = torsion_of_run(read, arguments.hinge_width)
+        units = read.result["units"]
+        output.message(f"ligaments {arguments.hinge_width:g} {units} wide: lambda {torsion:.3g}")
+        given["torsion"] = [*given.get("torsion", [0.0]), torsion]
     with deployment_folder(read, arguments.output) as folder, PathProgress(output) as progress:
         found = deploy_with_collisions(read, progress=progress.state, stage=progress.stage, **given)
         path = save_deployment(found, folder, animation=not arguments.no_animation, stage=progress.stage)
@@ -125,7 +139,8 @@ def _tell(record: Mapping[str, Any], output: Output) -> list[str]:
         if not path["collisions"]["is_free"]:
             warnings.append(f"{name}: {words}")
     if record["transition_lambda"] is not None:
-        output.message(f"it rests open by itself up to lambda {record['transition_lambda']:.3g}")
+        wide = f"ligaments {record['transition_hinge_width']:.2g} {record['units']} wide"
+        output.message(f"it rests open by itself up to lambda {record['transition_lambda']:.3g}: {wide}")
     elif record["rests_open"] is not None:
         which = "any" if record["rests_open"] == "always" else "no"
         output.message(f"it rests open by itself at {which} lambda above 0")

@@ -162,6 +162,8 @@ def test_a_deployment_of_other_states_is_not_taken_for_the_runs(
         (["--trajectory", "zigzag"], 2, "trajectory: expected one of turning, rigid, straight, got 'zigzag'"),
         (["--thickness", "-2"], 2, "thickness: expected a number of at least 0, got -2.0"),
         (["--thickness", "1e6"], 2, "thickness: expected a number from 0 to"),
+        (["--hinge-width", "-1"], 2, "width: expected a number above 0, got -1.0"),
+        (["--hinge-width", "100"], 2, "hinge width: expected less than a tile edge"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -171,6 +173,18 @@ def test_a_wrong_option_is_refused_before_all_work(
     assert cli.main(["deploy", str(disc), *words]) == code
     assert message in capsys.readouterr().err
     assert not (disc / "deployment").exists()
+
+
+def test_a_hinge_has_the_lambda_of_its_width(disc: Path, tmp_path: Path, capsys: Captured) -> None:
+    words = ["--hinge-width", "0.01", "--steps", "3", "--no-animation", "-o", str(tmp_path / "way")]
+    assert cli.main(["deploy", str(disc), *words]) in (0, 1)
+    record = json.loads((tmp_path / "way" / "deployment.json").read_text())
+    none, some = (path["lambda"] for path in record["paths"])
+    assert none == 0.0 and some > 0.0
+    assert f"ligaments 0.01 {record['units']} wide: lambda {some:.3g}" in capsys.readouterr().err
+    # lambda grows as the square of the width
+    wide, at = record["transition_hinge_width"], record["transition_lambda"]
+    assert wide == pytest.approx(0.01 * (at / some) ** 0.5, rel=1e-9)
 
 
 def test_a_run_that_is_none_or_has_no_certificate_is_refused(disc: Path, tmp_path: Path, capsys: Captured) -> None:
