@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kirisurf.deploying import TOUCHING
 from kirisurf.deployment import Deployment, deploy
 from kirisurf.design import Design
 from kirisurf.errors import UnusableError
@@ -55,5 +56,5 @@ def snapping(design: Design, steps: int = STEPS, shares: Sequence[float] = SHARE
         raise UnusableError("deployment: expected a lambda at which the open state is lost, got none")
     found = deploy(*ends, torsion=[share * transition for share in shares], steps=steps, contact=False)
     tiles = design.tessellation.tiles
-    met = tuple(path_collisions(list(path.points), tiles, path.fractions) for path in found.paths)
+    met = tuple(path_collisions(list(path.points), tiles, path.fractions, touch=TOUCHING) for path in found.paths)
     return Snapping(found, met, transition)

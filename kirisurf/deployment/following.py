@@ -29,7 +29,7 @@ HALVED = 3
 DEGREE = 4
 """Highest degree of the polynomials by which the next state is foreseen."""
 
-RETURN = 0.1
+RETURN = 0.3
 """Part of its distance to the guide that a sheet in space gives up at every state."""
 
 WEAK, NEAR = 1e-9, 1e-6
