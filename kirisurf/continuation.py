@@ -104,10 +104,10 @@ class Continuation:
                 best, best_enough = outcome, enough
             if before <= FAR and enough >= ENOUGH:
                 break
-            if before > FAR:
-                at = formulate(outcome.points, SOFT, self.guarded)
-            solver = self.make_solver(replace(self.left(), max_steps=STEPS_EACH))
-            found = solver.solve(at(outcome.points), outcome.points, at, progress, should_stop)
+            weights = SOFT if before > FAR else Weights()
+            found = self._held(formulate, outcome.points, weights, self.guarded, progress, should_stop)
+            if not self.guarded and self._is_unsound(found):
+                found = self._held(formulate, outcome.points, weights, True, progress, should_stop)
             after, more = _distance(at(found.points), found.points), self.sufficiency(found.points)
             better = after <= PAYS * before or (enough < ENOUGH and more > enough)
             if found.status is not Status.CONVERGED or not better or not self.sound(found.points):
@@ -119,6 +119,20 @@ class Continuation:
             return outcome, ()
         times = f"{count} time{'s' * (count > 1)}"
         return outcome, (f"Solve: held near its solution instead of its start {times}, which improved it.",)
+
+    def _held(
+        self,
+        formulate: Formulate,
+        points: np.ndarray,
+        weights: Weights,
+        guarded: bool,
+        progress: Progress | None,
+        should_stop: ShouldStop | None,
+    ) -> Outcome:
+        """Solve with a sheet held near points."""
+        at = formulate(points, weights, guarded)
+        solver = self.make_solver(replace(self.left(), max_steps=STEPS_EACH))
+        return solver.solve(at(points), points, at, progress, should_stop)
 
     def _is_unsound(self, outcome: Outcome) -> bool:
         return outcome.status is Status.CONVERGED and not self.sound(outcome.points)

@@ -108,6 +108,10 @@ def checked_options(
     if not (np.isfinite(thickness) and thickness >= 0):
         raise ParameterError(f"thickness: expected a number of at least 0, got {thickness}")
     named = {"torsion": values, "steps": steps, "drive": drive}
+    if drive == "free" and trajectory is not None:
+        raise ParameterError(
+            f"trajectory: expected with a drive that moves vertices, got {trajectory!r} with drive free"
+        )
     named["trajectory"] = None if trajectory is None else checked_trajectory(trajectory)
     return {**named, "thickness": float(thickness), "contact": bool(contact)}
 

@@ -128,14 +128,15 @@ def _path_record(deployment: Deployment, path: Path, verdict: Verdict, met: Path
         "lambda": path.torsion,
         "drive": path.drive,
         "kind": verdict.kind.value,
-        "sentence": verdict.sentence,
+        "sentence": verdict.sentence + ("" if met.is_free else " But on the way tiles collide."),
         "status": path.status.name,
         "status_sentence": path.status.value,
         "states": len(path.fractions),
         "barrier": verdict.barrier if barriers else None,
         "barriers": [_barrier(barrier) for barrier in barriers],
         "minima": [_minimum(minimum) for minimum in verdict.minima],
-        "energy_deployed": float(path.energies[-1]),
+        "energy_deployed": float(deployment.energy.with_torsion(path.torsion).value(deployment.guide.deployed)),
+        "energy_end": float(path.energies[-1]),
         "energy_largest": float(path.energies.max()),
         "largest_strain": verdict.largest_strain,
         "strained_tiles": list(verdict.strained_tiles),
@@ -169,4 +170,5 @@ def _minimum(minimum: Minimum) -> dict[str, Any]:
 
 
 def _barrier(barrier: Barrier) -> dict[str, Any]:
-    return {name: getattr(barrier, name) for name in ("fraction", "energy", "opening", "closing", "is_saddle")}
+    heights = {"to_open": barrier.opening, "to_close": barrier.closing}
+    return {"fraction": barrier.fraction, "energy": barrier.energy, **heights, "is_saddle": barrier.is_saddle}

@@ -103,7 +103,7 @@ def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     if arguments.hinge_width is not None:
         torsion = torsion_of_run(read, arguments.hinge_width)
         units = read.result["units"]
-        output.message(f"ligaments {arguments.hinge_width:g} {units} wide: lambda {torsion:.3g}")
+        output.message(f"ligaments {arguments.hinge_width:g} {units} wide: lambda about {torsion:.3g}")
         given["torsion"] = [*given.get("torsion", [0.0]), torsion]
     with deployment_folder(read, arguments.output) as folder, PathProgress(output) as progress:
         found = deploy_with_collisions(read, progress=progress.state, stage=progress.stage, **given)
@@ -139,7 +139,7 @@ def _tell(record: Mapping[str, Any], output: Output) -> list[str]:
         if not path["collisions"]["is_free"]:
             warnings.append(f"{name}: {words}")
     if record["transition_lambda"] is not None:
-        wide = f"ligaments {record['transition_hinge_width']:.2g} {record['units']} wide"
+        wide = f"ligaments about {record['transition_hinge_width']:.2g} {record['units']} wide"
         output.message(f"it rests open by itself up to lambda {record['transition_lambda']:.3g}: {wide}")
     elif record["rests_open"] is not None:
         which = "any" if record["rests_open"] == "always" else "no"

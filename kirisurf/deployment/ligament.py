@@ -42,7 +42,7 @@ def torsion_of_ligament(
     that is weaker and rests partly open. Shear, the compliance of the tile next to the ligament and its stretching
     are left out; so are bending and twisting out of the plane, with stiffness of order E t^3, which matter for sheets
     in space. Against finite elements (docs/elastic.md), h = w: a ligament between two free tiles has 0.8 of this k, one
-    in a sheet whose rim is held 1.6 to 1.75 times as much.
+    in a sheet whose rim is held 1.35 to 1.6 times as much.
 
     Parameters
     ----------

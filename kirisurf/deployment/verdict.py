@@ -10,11 +10,15 @@ import numpy as np
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.kinematics import is_rigid, most_strained
-from kirisurf.deployment.path import Path, PathStatus, ShouldStop
+from kirisurf.deployment.loading import mean_opening
+from kirisurf.deployment.path import STRAINLESS, Path, PathStatus, ShouldStop
 from kirisurf.deployment.stability import Barrier, Minimum, find_barriers, find_minima
 
 ADMISSIBLE = 0.25
 """Largest strain of a rod on the way, above which a sheet is said to need strain, whatever it does afterwards."""
+
+AT_SHAPE = 0.995
+"""Part of its opening from which on the end of a path is the shape."""
 
 MOST_NAMED = 5
 """Most states of rest that a sentence names one by one."""
@@ -105,22 +109,21 @@ def judge(
     if path.status is PathStatus.INTERRUPTED:
         sentence = f"Was not followed to the end: {len(path.fractions)} states were found."
         return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, mechanisms, rigid)
-    minima = find_minima(energy, guide, path, should_stop)
-    barriers = find_barriers(energy, guide, path, minima)
-    kind = _kind(energy, path, minima, strain, admissible, rigid)
-    if kind is Kind.FREE:
-        barriers = ()
-    sentence = _sentence(kind, path, still, minima, barriers, strain, tiles, mechanisms, rigid, admissible)
+    # without torsion a sheet of rigid tiles rests wherever it is left, whatever a drive does to it
+    along = still if energy.torsion == 0 and rigid else path
+    minima = find_minima(energy, guide, along, should_stop)
+    barriers = find_barriers(energy, guide, along, minima)
+    kind = _kind(energy, minima, strain, admissible, rigid)
+    held = _held(energy, guide, path)
+    sentence = _sentence(kind, path, still, minima, barriers, strain, tiles, mechanisms, rigid, admissible, held)
     return Verdict(kind, sentence, energy.torsion, minima, barriers, strain, tiles, mechanisms, rigid)
 
 
-def _kind(
-    energy: Energy, path: Path, minima: tuple[Minimum, ...], strain: float, admissible: float, rigid: bool
-) -> Kind:
-    if energy.torsion == 0 and rigid and path.drive == "free":
-        return Kind.FREE
+def _kind(energy: Energy, minima: tuple[Minimum, ...], strain: float, admissible: float, rigid: bool) -> Kind:
     if strain > admissible:
         return Kind.STRAINED
+    if energy.torsion == 0 and rigid:
+        return Kind.FREE
     if len(minima) > 2:
         return Kind.MULTISTABLE
     return Kind.BISTABLE if any(m.fraction >= OPEN for m in minima) else Kind.SPRINGS_BACK
@@ -137,10 +140,10 @@ def _sentence(
     mechanisms: int,
     rigid: bool,
     admissible: float,
+    held: str,
 ) -> str:
     named = f"{'tile' if len(tiles) == 1 else 'tiles'} {', '.join(map(str, tiles))}"
     on_way = f"on the way tiles strain by up to {_percent(strain)}, most in {named}"
-    lifted = f"held at the shape it stores an energy of {path.energies[-1]:.2g}"
     if kind is Kind.FREE:
         steps = f"at most {still.moves.max(initial=0.0):.2g} tile edges apart"
         ways = "1 mechanism" if mechanisms == 1 else f"{mechanisms} mechanisms"
@@ -148,12 +151,14 @@ def _sentence(
             f"Deploys freely: rigid tiles lead from flat to shape in {len(still.fractions)} states {steps}, "
             f"none strained by more than {still.largest_strains.max():.0e}; the deployed sheet has {ways}."
         )
+        if path.stretch_energies.max() > STRAINLESS:
+            text += f" Moved as it is here it does not go that way: {on_way}."
     elif kind is Kind.STRAINED:
         over = f"more than the admissible {_percent(admissible)}"
         text = f"Needs {_percent(strain)} strain in {named}, {over}; {_rests(minima, barriers)}."
     elif kind is Kind.SPRINGS_BACK:
         way = "rigid tiles lead to the shape without strain" if rigid else on_way
-        text = f"Springs back: let go anywhere it closes; {lifted}, and {way}."
+        text = f"Springs back: let go anywhere it closes; {held}, and {way}."
     elif kind is Kind.BISTABLE:
         top, last = barriers[-1] if barriers else None, minima[-1]
         bound = "" if top is None or top.is_saddle else "at most " if path.status is PathStatus.COMPLETE else "about "
@@ -165,6 +170,15 @@ def _sentence(
     if path.status in (PathStatus.UNBALANCED, PathStatus.JUMPED):
         text += f" {path.status.value}"
     return text
+
+
+def _held(energy: Energy, guide: Guide, path: Path) -> str:
+    """What it takes to hold the sheet at the end of the path, and at the shape."""
+    share = mean_opening(energy, path.points[-1]) / mean_opening(energy, guide.deployed)
+    at_end, at_shape = f"{path.energies[-1]:.2g}", f"{energy.value(guide.deployed):.2g}"
+    if share > AT_SHAPE:
+        return f"held at the shape it stores an energy of {at_end}"
+    return f"held open to {_percent(share)} it stores an energy of {at_end}, at the shape itself {at_shape}"
 
 
 def _rests(minima: tuple[Minimum, ...], barriers: tuple[Barrier, ...]) -> str:
