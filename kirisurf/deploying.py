@@ -170,7 +170,8 @@ def deploy_with_collisions(
         path_collisions(list(path.points), tiles, path.fractions, asked["thickness"], slit_width, TOUCHING)
         for path in found.paths
     )
-    options = {**asked, "trajectory": found.trajectory, "slit_width": slit_width, "touch": TOUCHING}
+    trajectory = None if asked["drive"] == "free" else found.trajectory
+    options = {**asked, "trajectory": trajectory, "slit_width": slit_width, "touch": TOUCHING}
     return DeployedRun(run, found, met, options, time.perf_counter() - began)
 
 

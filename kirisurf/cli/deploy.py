@@ -58,8 +58,8 @@ def add(commands: Any) -> None:
         "--hinge-width",
         metavar="LENGTH",
         type=number,
-        help="width of the ligaments at the ends of slits, in the units of the run: adds the lambda of a sheet that is "
-        "cut from one material",
+        help="width of the ligaments at the ends of slits, in the units of the run: lambda of a sheet that is cut from "
+        "one material, beside those of --lambda (here by default 0)",
     )
     parser.add_argument("--steps", metavar="N", type=whole, help="states after the flat one (default: 50)")
     parser.add_argument("--drive", metavar="WHAT", help="free (default) | rim | corners")
@@ -165,4 +165,4 @@ def _collision_words(path: Mapping[str, Any]) -> str:
 def _degrees(angle: float) -> str:
     from math import degrees
 
-    return f"{degrees(angle):.0f} degrees"
+    return f"{abs(round(degrees(angle)))} degrees"

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kirisurf.arrays import checked
 from kirisurf.deployment.drive import checked_trajectory, driven_vertices, usual_trajectory
 from kirisurf.deployment.energy import Energy, checked_torsion, energy_of
 from kirisurf.deployment.following import (
@@ -18,9 +20,10 @@ from kirisurf.deployment.following import (
 )
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.kinematics import n_mechanisms
+from kirisurf.deployment.loading import mean_opening
 from kirisurf.deployment.path import Path, PathStatus, Progress, ShouldStop
-from kirisurf.deployment.stability import transition_torsion
-from kirisurf.deployment.verdict import ADMISSIBLE, Verdict, judge
+from kirisurf.deployment.transition import LEAST_TORSION, RIGID_TORSION, transition_torsion
+from kirisurf.deployment.verdict import ADMISSIBLE, Kind, Verdict, judge
 from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.one_thread import on_one_thread
 from kirisurf.runs import Run
@@ -30,6 +33,9 @@ TORSIONS = (0.0, 1e-4, 1e-3)
 """Values of lambda where none are asked for: ligaments of no width, and of about 4 and 14 % of a square tile."""
 
 STEPS = 50
+CLOSED = 1e-6
+"""Mean opening in radians up to which a sheet has nothing to open into."""
+
 PLANAR = 1e-9
 """Height over width of a deployed sheet up to which it is planar."""
 
@@ -53,7 +59,7 @@ class Deployment:
         Motions of first order that strain no tile, at both ends.
     transition : float or None
         lambda above which the sheet no longer rests open by itself: 0 where it never does, infinity where it always
-        does; None where the paths were interrupted before it was sought.
+        does; None where neither was seen, or it was stopped.
     trajectory : str
         How vertices were moved, if any.
     """
@@ -74,8 +80,8 @@ class Deployment:
 
     @property
     def is_complete(self) -> bool:
-        """Was every path followed to its end?"""
-        return all(path.status is not PathStatus.INTERRUPTED for path in self.paths)
+        """Was every path followed to its end, and judged?"""
+        return all(verdict.kind is not Kind.UNKNOWN for verdict in self.verdicts)
 
 
 @on_one_thread
@@ -84,9 +90,9 @@ def deploy(
     contracted: ArrayLike,
     deployed: ArrayLike,
     *,
-    torsion: float | Sequence[float] = TORSIONS,
+    torsion: float | Sequence[Any] | np.ndarray = TORSIONS,
     steps: int = STEPS,
-    drive: str | Sequence[int] = "free",
+    drive: str | Sequence[Any] | np.ndarray = "free",
     trajectory: str | None = None,
     dimension: int | None = None,
     contact: bool = True,
@@ -137,19 +143,22 @@ def deploy(
     >>> found.verdicts[0].kind.value, found.mechanisms[1]
     ('deploys freely', 1)
     """
-    values = [checked_torsion(value) for value in np.atleast_1d(np.asarray(torsion, float)).tolist()]
-    if not values:
-        raise ParameterError("lambda: expected at least one number, got none")
+    values = _torsions(torsion)
     if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or not 2 <= steps <= 100_000:
         raise ParameterError(f"steps: expected a whole number from 2 to 100000, got {steps!r}")
-    held = driven_vertices(tessellation, drive if isinstance(drive, str) else np.asarray(drive))
+    if not (np.isfinite(admissible) and admissible >= 0):
+        raise ParameterError(f"admissible: expected a number of at least 0, got {admissible}")
+    held = driven_vertices(tessellation, drive)
     name = drive if isinstance(drive, str) else "vertices"
-    points = _in_dimension(np.asarray(deployed, float), dimension)
+    flat = checked(contracted, "contracted", (tessellation.n_vertices, 2))
+    points = _in_dimension(deployed, tessellation.n_vertices, dimension)
     trajectory = usual_trajectory(points.shape[1]) if trajectory is None else checked_trajectory(trajectory)
-    energy = energy_of(tessellation, np.asarray(contracted, float), 0.0, points.shape[1], contact)
+    energy = energy_of(tessellation, flat, 0.0, points.shape[1], contact)
     if not len(energy.hinges.stencil):
         raise UnusableError("tessellation: expected slits, got a sheet without: it has nothing to open")
-    guide = Guide(tessellation, np.asarray(contracted, float), points)
+    guide = Guide(tessellation, flat, points)
+    if not mean_opening(energy, guide.deployed) > CLOSED:
+        raise UnusableError("deployed: expected a sheet whose slits are open, got one that is closed")
     fractions = np.linspace(0.0, 1.0, steps + 1)
     count = steps + 1
     total = count * (1 + sum(1 for value in values if value > 0 or name != "free"))
@@ -177,14 +186,18 @@ def deploy(
         else:
             path = follow_supported(stiff, guide, still, should_stop, told)
         done += count
-        paths.append(path)
+        # what follows a path that was cut short is no longer than it
+        is_cut = still.status is PathStatus.INTERRUPTED
+        paths.append(replace(path, status=PathStatus.INTERRUPTED) if is_cut else path)
     mechanisms = n_mechanisms(energy, guide.flat), n_mechanisms(energy, guide.deployed)
     verdicts = tuple(
         judge(energy.with_torsion(value), guide, path, still, mechanisms[1], admissible, should_stop)
         for value, path in zip(values, paths, strict=True)
     )
-    stopped = any(path.status is PathStatus.INTERRUPTED for path in (still, *paths))
-    transition = None if stopped else transition_torsion(energy, guide)
+    transition = None
+    if not any(verdict.kind is Kind.UNKNOWN for verdict in verdicts):
+        least = RIGID_TORSION if verdicts[0].rigid else LEAST_TORSION
+        transition = transition_torsion(energy, guide, least, should_stop=should_stop)
     return Deployment(energy, guide, tuple(paths), still, verdicts, mechanisms, transition, trajectory)
 
 
@@ -204,11 +217,24 @@ def deploy_run(run: Run, **options: object) -> Deployment:
     return deploy(run.tessellation, run.contracted, run.deployed, **options)  # type: ignore[arg-type]
 
 
-def _in_dimension(deployed: np.ndarray, dimension: int | None) -> np.ndarray:
+def _torsions(torsion: float | Sequence[Any] | np.ndarray) -> list[float]:
+    try:
+        values = np.atleast_1d(np.asarray(torsion, float))
+    except (TypeError, ValueError):
+        raise ParameterError(f"lambda: expected a number or several, got {torsion!r}") from None
+    if values.ndim != 1 or not len(values):
+        raise ParameterError(f"lambda: expected a number or several, got an array of shape {values.shape}")
+    return [checked_torsion(value) for value in values.tolist()]
+
+
+def _in_dimension(given: ArrayLike, n: int, dimension: int | None) -> np.ndarray:
     if dimension not in (None, 2, 3):
         raise ParameterError(f"dimension: expected 2 or 3, got {dimension}")
-    if deployed.ndim != 2 or deployed.shape[1] not in (2, 3):
-        raise UnusableError(f"deployed: expected shape (any, 2) or (any, 3), got {deployed.shape}")
+    try:
+        columns = np.shape(given)[-1:]
+    except ValueError:
+        columns = ()
+    deployed = checked(given, "deployed", (n, 2 if columns == (2,) else 3))
     height = np.ptp(deployed[:, 2]) if deployed.shape[1] == 3 and len(deployed) else 0.0
     is_planar = height <= PLANAR * np.ptp(deployed[:, :2], axis=0).max(initial=0.0)
     if dimension == 2 and not is_planar:

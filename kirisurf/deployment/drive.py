@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -16,13 +20,13 @@ TRAJECTORIES = ("turning", "rigid", "straight")
 torsion, which rigid tiles take where there is such a path, or along straight lines."""
 
 
-def driven_vertices(tessellation: Tessellation, drive: str | np.ndarray) -> Bool[np.ndarray, " n"]:
+def driven_vertices(tessellation: Tessellation, drive: str | Sequence[Any] | np.ndarray) -> Bool[np.ndarray, " n"]:
     """Return which vertices a drive moves.
 
     Parameters
     ----------
     tessellation : Tessellation
-    drive : str or (k,) int
+    drive : str or array_like (k,) int
         One of `DRIVES`, or numbers of vertices.
 
     Raises
@@ -45,7 +49,10 @@ def driven_vertices(tessellation: Tessellation, drive: str | np.ndarray) -> Bool
         elif drive == "corners":
             held[_corners(tessellation)] = True
         return held
-    which = np.asarray(drive)
+    try:
+        which = np.asarray(drive)
+    except ValueError:  # rows of different lengths
+        raise ParameterError(f"drive: expected numbers of vertices, got {drive!r}") from None
     if which.ndim != 1 or which.dtype.kind not in "iu" or not len(which):
         raise ParameterError(
             f"drive: expected numbers of vertices, got an array of {which.dtype} of shape {which.shape}"
@@ -82,29 +89,61 @@ def usual_trajectory(dimension: int) -> str:
     return "turning" if dimension == 2 else "rigid"
 
 
-def pinned_coordinates(points: Float[np.ndarray, "n d"]) -> Bool[np.ndarray, "n d"]:
-    """Return the coordinates, 3 in the plane and 6 in space, that hold the rigid motions of a sheet and nothing else.
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """Supports of three vertices that hold the rigid motions of a sheet and resist nothing else.
 
-    All of one vertex, those of a far one across the line between the two, and in space one of a third across the
-    plane of all three: no more than supports that resist nothing, since the energy does not know rigid motions.
+    In a frame that is turned with the sheet, the first vertex stays, a far one stays on the axis through both, and in
+    space a third stays in the plane of all three: 3 coordinates are held in the plane, 6 in space. The energy does not
+    know rigid motions, so that no force is needed for it; in a frame that is not turned, a support would act as soon as
+    the far vertex comes nearer than its coordinate across the axis.
 
-    Examples
-    --------
-    >>> pinned_coordinates(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 1.0]])).tolist()
-    [[True, True], [False, False], [False, True]]
+    Attributes
+    ----------
+    first, far, third : int
+        Vertices; the third counts in space alone.
     """
-    _, d = points.shape
-    result = np.zeros(points.shape, bool)
-    away = points - points[0]
-    far = int((away**2).sum(axis=1).argmax())
-    along = int(np.abs(away[far]).argmax())
-    result[0] = True
-    result[far, np.arange(d) != along] = True
-    if d == 3:
-        normals = np.cross(away[far], away)
-        third = int((normals**2).sum(axis=1).argmax())
-        result[third, int(np.abs(normals[third]).argmax())] = True
-    return result
+
+    first: int
+    far: int
+    third: int
+
+    @classmethod
+    def of(cls, points: Float[np.ndarray, "n d"]) -> Pins:
+        """Choose vertices that lie far apart.
+
+        Examples
+        --------
+        >>> Pins.of(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 1.0]])).far
+        2
+        """
+        away = points - points[0]
+        far = int((away**2).sum(axis=1).argmax())
+        axis = away[far] / max(float(np.linalg.norm(away[far])), 1e-300)
+        across = away - np.outer(away @ axis, axis)
+        return cls(0, far, int((across**2).sum(axis=1).argmax()))
+
+    def held(self, shape: tuple[int, int]) -> Bool[np.ndarray, "n d"]:
+        """Return which coordinates are held, in the turned frame."""
+        result = np.zeros(shape, bool)
+        result[self.first] = True
+        result[self.far, 1:] = True
+        result[self.third, 2:] = True
+        return result
+
+    def frame(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "d d"]:
+        """Return axes (columns) along which the supports lie: points @ axes are coordinates in the turned frame."""
+        d = points.shape[1]
+        ways = [points[self.far] - points[self.first], points[self.third] - points[self.first], *np.eye(d)]
+        axes: list[np.ndarray] = []
+        for way in ways:
+            rest = way - sum((way @ axis) * axis for axis in axes)
+            size = np.linalg.norm(rest)
+            if size > 1e-9 * max(float(np.linalg.norm(way)), 1e-300) and len(axes) < d:
+                axes.append(rest / size)
+        if np.linalg.det(np.stack(axes, axis=1)) < 0:
+            axes[-1] = -axes[-1]
+        return np.stack(axes, axis=1)
 
 
 def _corners(tessellation: Tessellation) -> list[int]:

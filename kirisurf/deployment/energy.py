@@ -14,6 +14,9 @@ from kirisurf.deployment.stiffness import Gathering, Stiffness
 from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.tessellation import Tessellation
 
+MOST_TORSION = 1e6
+"""Largest lambda: slits a million times as stiff as tiles."""
+
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
@@ -252,10 +255,12 @@ def checked_torsion(torsion: float) -> float:
     Raises
     ------
     ParameterError
-        Where it is negative or not finite.
+        Where it is negative, not finite, or above `MOST_TORSION`.
     """
     if not (np.isfinite(torsion) and torsion >= 0):
         raise ParameterError(f"lambda: expected a number of at least 0, got {torsion}")
+    if torsion > MOST_TORSION:
+        raise ParameterError(f"lambda: expected a number of at most {MOST_TORSION:g}, got {torsion}")
     return float(torsion)
 
 

@@ -8,13 +8,18 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from kirisurf.arrays import frozen
+from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.factor import Factor, Factors
+from kirisurf.deployment.factor import Factors
 from kirisurf.deployment.guide import nearest_place
-from kirisurf.deployment.loading import Loaded, Loading, loaded
+from kirisurf.deployment.loading import Loading, loaded
+from kirisurf.deployment.newton import Operator, State
 
 TOLERANCE = 1e-10
 """Largest force on a free vertex at an equilibrium, over that of a rod with strain 1."""
+
+STILL = 1e-7
+"""Largest force on a free vertex at a saddle, which is found by the opening at which its load vanishes."""
 
 LEAST_SHIFT = 1e-9
 """Multiple of the identity that is always added: what no rod holds stays where it is."""
@@ -64,42 +69,6 @@ class Equilibrium:
     is_stable: bool
 
 
-@dataclass(frozen=True, eq=False)
-class _State:
-    """Where a step begins."""
-
-    here: Loaded
-    gradient: Float[np.ndarray, " q"]
-    residual: float
-
-    @property
-    def total(self) -> float:
-        """The energy that is minimized."""
-        return self.here.total
-
-
-@dataclass(frozen=True, eq=False)
-class _Operator:
-    """Second derivatives of the energy and of its loading, factored: H + s s' / compliance, s the load's slope."""
-
-    factor: Factor
-    slope: Float[np.ndarray, " q"] | None
-    response: Float[np.ndarray, " q"] | None
-    compliance: float
-
-    @property
-    def n_negative(self) -> int:
-        """Negative eigenvalues, by the inertia of the bordered matrix; -1 where the factorization failed."""
-        return self.factor.n_negative - int(self.factor.n_negative >= 0 and self.compliance < 0)
-
-    def solve(self, right: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
-        """Return x with (H + s s' / compliance) x = right."""
-        x = self.factor.solve(right)
-        if self.slope is not None and self.response is not None:
-            x -= self.response * ((self.slope @ x) / self.compliance)
-        return x
-
-
 class Minimizer:
     """Newton's method for one sheet with one kind of support; order and pattern of the matrix are found once.
 
@@ -114,9 +83,8 @@ class Minimizer:
     energy : Energy
     held : (n,) bool, optional
         Vertices that stay where the start has them.
-    pinned : (n, d) bool, optional
-        Coordinates that keep a sheet from drifting, see :func:`kirisurf.deployment.drive.pinned_coordinates`: they
-        hold its rigid motions and resist nothing.
+    pins : Pins, optional
+        Supports that hold the rigid motions of a sheet; not together with anchors, which hold them too.
     toward : (n, d), optional
         Direction that decides to which side a sheet is pushed off a saddle.
     curved : bool
@@ -129,7 +97,7 @@ class Minimizer:
         self,
         energy: Energy,
         held: Bool[np.ndarray, " n"] | None = None,
-        pinned: Bool[np.ndarray, "n d"] | None = None,
+        pins: Pins | None = None,
         toward: Float[np.ndarray, "n d"] | None = None,
         curved: bool = True,
         tolerance: float = TOLERANCE,
@@ -137,15 +105,15 @@ class Minimizer:
         self.energy, self.curved, self.tolerance = energy, curved, tolerance
         # the larger one covers what rounding makes of the many motions that no rod resists
         self._least = LEAST_SHIFT if curved else 10 * LEAST_SHIFT
-        self._is_pinned = pinned is not None
+        self._pins = pins
         free = np.ones((energy.n_vertices, energy.dimension), bool)
         if held is not None:
             free[np.asarray(held, bool)] = False
-        self._free = free if pinned is None else free & ~pinned
+        self._free = free if pins is None else free & ~pins.held(free.shape)
         numbers = np.full(free.shape, -1)
         numbers[self._free] = np.arange(int(self._free.sum()))
         self._stiffness, self._factors = energy.stiffness(numbers), Factors()
-        self._toward = None if toward is None else toward[self._free]
+        self._toward = toward
 
     def with_torsion(self, torsion: float) -> Minimizer:
         """Return the same for another lambda, sharing order and pattern."""
@@ -169,30 +137,45 @@ class Minimizer:
         near: Float[np.ndarray, "n d"] | None = None,
         enough: float = -np.inf,
     ) -> Equilibrium:
-        """Minimize from a start, whose held coordinates are those given, until the energy is low enough.
+        """Minimize the energy.
 
-        A sheet that is pinned is then moved, as a whole, to where it lies nearest to points, by default the start.
+        Parameters
+        ----------
+        start : (n, d)
+            Held coordinates stay as they are here.
+        loading : Loading, optional
+        max_steps : int
+        near : (n, d), optional
+            A sheet that is pinned is in the end moved, as a whole, to where it lies nearest to these points, by
+            default the start.
+        enough : float
+            Energy below which no more is sought.
         """
         loading, steps = loading or Loading(), 0
-        points = np.array(start, float)
+        place = np.asarray(start, float)
+        axes = np.eye(place.shape[1]) if self._pins is None else self._pins.frame(place)
+        points = place @ axes if self._pins is not None else place.copy()
         for _ in range(MAX_ESCAPES + 1):
             found, shift = self._descend(points, loading, max_steps - steps, enough)
             steps += found.steps
             if found.is_stable or not found.is_converged or steps >= max_steps:
                 break
-            points = self._pushed(found.points, loading, shift)
-        place = np.asarray(start if near is None else near, float)
-        end = nearest_place(found.points, place) if self._is_pinned else found.points
+            points = self._pushed(found.points, loading, shift, axes)
+        end = found.points
+        if self._pins is not None:
+            end = nearest_place(end, place if near is None else np.asarray(near, float))
         return replace(found, points=frozen(end), steps=steps)
 
     def is_saddle(self, points: Float[np.ndarray, "n d"]) -> bool:
-        """Does the energy fall in one direction and in no other, where the sheet is free to move?"""
-        return self._operator(self._state(points, Loading()), self._least).n_negative == 1
+        """Does nothing pull, and does the energy fall in one direction and in no other?"""
+        at = np.asarray(points, float)
+        state = self._state(at if self._pins is None else at @ self._pins.frame(at), Loading())
+        return state.residual <= STILL and self._operator(state, self._least).n_negative == 1
 
-    def _state(self, points: np.ndarray, loading: Loading) -> _State:
+    def _state(self, points: np.ndarray, loading: Loading) -> State:
         here = loaded(self.energy, points, loading, self.curved)
         gradient = here.gradient[self._free]
-        return _State(here, gradient, float(np.abs(gradient).max(initial=0.0)))
+        return State(here, gradient, float(np.abs(gradient).max(initial=0.0)))
 
     def _descend(
         self, points: np.ndarray, loading: Loading, max_steps: int, enough: float
@@ -228,23 +211,23 @@ class Minimizer:
         is_converged = state.residual <= self.tolerance
         return Equilibrium(points, state.here.energy, state.residual, step, is_converged, is_convex), shift
 
-    def _is_nearer(self, there: _State, state: _State) -> bool:
+    def _is_nearer(self, there: State, state: State) -> bool:
         """Is a state nearer to equilibrium, where energies differ by no more than rounding?"""
         rounding = ROUNDING * (abs(state.total) + ROUNDING)
         return bool(there.residual < 0.5 * state.residual and there.total <= state.total + rounding)
 
-    def _operator(self, state: _State, shift: float) -> _Operator:
+    def _operator(self, state: State, shift: float) -> Operator:
         here = state.here
         # lengths in tile edges and forces in those of a rod with strain 1
         entries = self._stiffness.numbers(here.bends) * (self.energy.length / self.energy.unit_force)
         factor = self._factors.of(self._stiffness.matrix(entries, shift + here.pull))
         if here.slope is None or factor.n_negative < 0:
-            return _Operator(factor, None, None, 1.0)
+            return Operator(factor, None, None, 1.0)
         slope = here.slope[self._free]
         response = factor.solve(slope)
-        return _Operator(factor, slope, response, here.compliance + float(slope @ response))
+        return Operator(factor, slope, response, here.compliance + float(slope @ response))
 
-    def _convex(self, state: _State, shift: float) -> tuple[_Operator | None, float]:
+    def _convex(self, state: State, shift: float) -> tuple[Operator | None, float]:
         """Factor with the given shift, or the first larger one that leaves no direction in which the energy falls."""
         while shift <= MOST_SHIFT:
             operator = self._operator(state, shift)
@@ -254,14 +237,15 @@ class Minimizer:
             shift = max(4 * shift, FIRST_SHIFT)
         return None, shift
 
-    def _pushed(self, points: np.ndarray, loading: Loading, shift: float) -> np.ndarray:
+    def _pushed(self, points: np.ndarray, loading: Loading, shift: float, axes: np.ndarray) -> np.ndarray:
         """Points off a saddle, along the direction of least stiffness."""
         operator, _ = self._convex(self._state(points, loading), shift)
         if operator is None:
             return points
         side = np.random.default_rng(0).standard_normal(self._stiffness.size)
         if self._toward is not None:
-            side = self._toward / np.linalg.norm(self._toward) + 0.1 * side / np.linalg.norm(side)
+            toward = (self._toward @ axes)[self._free]
+            side = toward / np.linalg.norm(toward) + 0.1 * side / np.linalg.norm(side)
         mode = side
         for _ in range(INVERSE_STEPS):
             mode = operator.solve(mode)

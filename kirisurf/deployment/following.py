@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float
 
-from kirisurf.deployment.drive import pinned_coordinates
+from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Equilibrium, Minimizer
 from kirisurf.deployment.guide import Guide
@@ -85,7 +85,7 @@ def follow_free_planar(
     At each state the energy is least among all with that mean opening, so that where it has a maximum along the path,
     the gradient vanishes: it is the saddle between two stable states, and its height the barrier.
     """
-    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed), toward=guide.deployed - guide.flat)
+    minimizer = Minimizer(energy, pins=Pins.of(guide.deployed), toward=guide.deployed - guide.flat)
     first, last = (mean_opening(energy, end) for end in (guide.flat, guide.deployed))
     loadings = [Loading(opening=first + fraction * (last - first)) for fraction in fractions]
     return _follow(minimizer, guide, fractions, guide.places(fractions), loadings, should_stop, progress, "free")
@@ -108,6 +108,7 @@ def follow_rigid(
     toward = guide.deployed - guide.flat
     # rigid motions need not be held: steps of least length hold none
     minimizer = Minimizer(still, toward=toward, curved=False, tolerance=RIGID_TOLERANCE)
+    supported: Minimizer | None = None
     strained: Minimizer | None = None
     states: list[Equilibrium] = []
     points, off = guide.deployed, list[np.ndarray]()
@@ -119,9 +120,10 @@ def follow_rigid(
         expected = _expected(guide, before, float(fractions[k]), points)
         state = _rigid_state(minimizer, guide, before, float(fractions[k]), points, HALVED, off)
         if not state.is_converged:
-            strained = strained or Minimizer(still, pinned=pinned_coordinates(guide.deployed), toward=toward)
+            supported = supported or Minimizer(still, toward=toward)
+            strained = strained or Minimizer(still, pins=Pins.of(guide.deployed), toward=toward)
             anchored = Loading(anchor=Anchor(guide.at(fractions[k]), LEAST_SUPPORT))
-            held = strained.solve(state.points, anchored, max_steps=STATE_STEPS)
+            held = supported.solve(state.points, anchored, max_steps=STATE_STEPS)
             state = strained.solve(held.points, max_steps=STATE_STEPS)
         states.append(state)
         points = state.points

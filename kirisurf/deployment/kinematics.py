@@ -8,6 +8,7 @@ from jaxtyping import Float
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.factor import Factors
 from kirisurf.deployment.path import STRAINLESS, Path
+from kirisurf.errors import UnusableError
 
 INDEPENDENT = 1e-5
 """Singular value of the rigidity matrix, whose rows are strains per displacement in tile edges, below which it is 0."""
@@ -42,12 +43,14 @@ def n_mechanisms(energy: Energy, points: Float[np.ndarray, "n d"], tolerance: fl
     bends = still.evaluate(points, curved=False).bends
     entries = stiffness.numbers(bends) * (energy.length / energy.unit_force)
     below = Factors().of(stiffness.matrix(entries, -(tolerance**2))).n_negative
+    if below < 0:
+        raise UnusableError("sheet: expected a rigidity matrix that can be factored, got one with a pivot of exactly 0")
     return below - (3 if energy.dimension == 2 else 6)
 
 
 def is_rigid(path: Path) -> bool:
-    """Are all states of a path without torsion free of strain, to a root mean square of 1e-6?"""
-    return bool(path.torsion == 0 and len(path.fractions) and path.stretch_energies.max() <= STRAINLESS)
+    """Are all states of a path without torsion free of strain, to 1e-6 in every spring?"""
+    return bool(path.torsion == 0 and len(path.fractions) and path.largest_strains.max() <= np.sqrt(STRAINLESS))
 
 
 def most_strained(path: Path, count: int = 5) -> tuple[float, tuple[int, ...]]:

@@ -104,7 +104,7 @@ def measured_path(
     """Return states with what is measured of them."""
     points = np.array([state.points for state in states]).reshape(-1, *guide.flat.shape)
     parts = np.array([energy.parts(p) for p in points]).reshape(-1, 3)
-    strains = np.array([np.abs(energy.strains(p)) for p in points]).reshape(len(points), -1)
+    strains = np.array([np.abs(energy.strains(p)) for p in points]).reshape(-1, len(energy.rods.stencil))
     tiles = np.array([energy.tile_strains(p) for p in points]).reshape(-1, energy.n_tiles)
     holding = [np.linalg.norm(energy.gradient(p), axis=1).max() / energy.unit_force for p in points]
     moves = np.abs(np.diff(points, axis=0)).max(axis=(1, 2), initial=0.0) / energy.length
@@ -126,7 +126,7 @@ def measured_path(
         largest_strains=frozen(strains.max(axis=1, initial=0.0)),
         mean_strains=frozen(strains.mean(axis=1)) if len(points) else frozen(np.zeros(0)),
         tile_strains=frozen(tiles),
-        openings=frozen(np.array([energy.openings(p) for p in points]).reshape(len(points), -1)),
+        openings=frozen(np.array([energy.openings(p) for p in points]).reshape(-1, len(energy.hinges.stencil))),
         residuals=frozen([state.residual for state in states]),
         holding=frozen(holding),
         steps=frozen([state.steps for state in states], np.int64),

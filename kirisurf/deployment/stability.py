@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import brentq
 
-from kirisurf.deployment.drive import pinned_coordinates
+from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.equilibrium import Minimizer
-from kirisurf.deployment.guide import Guide
+from kirisurf.deployment.equilibrium import Equilibrium, Minimizer
+from kirisurf.deployment.guide import Guide, nearest_place
 from kirisurf.deployment.loading import STIFFNESS, Loading, mean_opening
 from kirisurf.deployment.path import STRAINLESS, Path, ShouldStop
 
@@ -32,13 +32,11 @@ SLIGHT = 1e-6
 """Height, over the highest energy of the path, up to which there is nothing between two minima."""
 
 RELAX_STEPS = 300
-HALVINGS = 30
-LEAST_TORSION, GROWTH = 1e-8, 4.0
-"""Smallest lambda at which an open state is sought, whose forces are a hundred times the tolerance; and the factor by
-which lambda then grows."""
+LEADS = 0.99
+"""Part of the shape's opening from which on a path leads to the shape."""
 
-FELL = 0.6
-"""A sheet that closes to less than this part of its opening while lambda grows a little has lost its open state."""
+NEARBY = 0.25
+"""Distance in tile edges up to which a path comes near a state, beside half of its own step there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,21 +90,24 @@ class Barrier:
 def find_minima(energy: Energy, guide: Guide, path: Path, should_stop: ShouldStop | None = None) -> tuple[Minimum, ...]:
     """Return the stable states that a sheet falls into when it is let go along a path, by growing opening.
 
-    Where nothing costs energy along the path, both ends are returned.
+    Where nothing costs energy along a path that leads to the shape, and slits have no springs, both ends are returned.
     """
-    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed), toward=guide.deployed - guide.flat)
+    minimizer = Minimizer(energy, pins=Pins.of(guide.deployed), toward=guide.deployed - guide.flat)
     values = path.energies
-    if values.max() <= STRAINLESS:
+    leads = mean_opening(energy, path.points[-1]) >= LEADS * mean_opening(energy, guide.deployed)
+    if energy.torsion == 0 and values.max() <= STRAINLESS and leads:
         # it rests wherever it is left
         return tuple(_minimum(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False)))
     inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
     evenly = np.linspace(0, len(values) - 1, RELEASES + 2).round().astype(int)
     low = NEARLY_NONE * max(values.max(), STRAINLESS)
+    # with less energy its mean opening is less: the mean of squares is no less than the square of the mean
+    enough = min(low, energy.torsion * FLAT**2) if energy.torsion > 0 else -np.inf
     found: list[Minimum] = []
     for start in (guide.flat, *path.points[np.unique(np.r_[inner, evenly])], guide.deployed):
         if should_stop is not None and should_stop():
             break
-        rest = minimizer.solve(start, max_steps=RELAX_STEPS, enough=low if energy.torsion > 0 else -np.inf)
+        rest = minimizer.solve(start, max_steps=RELAX_STEPS, enough=enough)
         flat = bool(rest.energy <= low and mean_opening(energy, rest.points) < FLAT)
         if not flat and not (rest.is_converged and rest.is_stable):
             continue
@@ -120,91 +121,62 @@ def find_barriers(energy: Energy, guide: Guide, path: Path, minima: tuple[Minimu
     """Return the barriers between neighboring minima: the highest point of the path between them.
 
     On the free path of a planar sheet it is then moved to where the load on the opening vanishes, which is a saddle.
-    Where nothing costs energy along the path there are none.
+    Where nothing costs energy along the path there are none, and none are known where it does not come near both.
     """
     if path.energies.max(initial=0.0) <= STRAINLESS:
         return ()
     last = mean_opening(energy, guide.deployed)
     openings = np.array([mean_opening(energy, points) for points in path.points])
+    least = SLIGHT * float(path.energies.max())
     barriers = []
     for closed, opened in pairwise(minima):
-        between = np.flatnonzero((openings > closed.opening) & (openings < opened.opening))
-        if not len(between):
+        floor = max(closed.energy, opened.energy)
+        top = _top(energy, path, openings, closed, opened)
+        if top is None or path.energies[top] <= floor + least:
             continue
-        top = int(between[path.energies[between].argmax()])
         points, height, is_saddle = path.points[top], float(path.energies[top]), False
         if path.drive == "free" and energy.dimension == 2 and 0 < top < len(openings) - 1:
             refined = _saddle(energy, guide, path, openings, top)
             # on the other side of a jump there may be another saddle, which does not part these two
-            if refined is not None and refined[1] > max(closed.energy, opened.energy):
-                points, height, is_saddle = refined
-        height = max(height, closed.energy, opened.energy)
+            if refined is not None and refined.energy > floor:
+                points, height, is_saddle = refined.points, refined.energy, True
         at = mean_opening(energy, points) / last
         barriers.append(Barrier(height, at, height - opened.energy, height - closed.energy, is_saddle))
     return tuple(barriers)
 
 
-def transition_torsion(energy: Energy, guide: Guide, least: float = LEAST_TORSION, most: float = 10.0) -> float:
-    """Return the lambda above which the open state is gone: a sheet let go at the shape closes.
-
-    The open state is followed from the deployed one as lambda grows, and the interval in which it is lost is halved.
-
-    Parameters
-    ----------
-    energy : Energy
-    guide : Guide
-    least, most : float
-        Smallest and largest lambda to try.
-
-    Returns
-    -------
-    float
-        0 where there is no open state even at the smallest lambda, infinity where there is one at the largest.
-    """
-    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed))
-
-    def rest(torsion: float, start: np.ndarray) -> np.ndarray | None:
-        kept = FELL * mean_opening(energy, start)
-        # with less energy its mean opening is less: the mean of squares is no less than the square of the mean
-        enough = 0.99 * torsion * kept**2
-        found = minimizer.with_torsion(torsion).solve(start, max_steps=RELAX_STEPS, enough=enough)
-        is_open = mean_opening(energy, found.points) >= kept
-        return found.points if is_open and found.is_converged and found.is_stable else None
-
-    low, high, points = 0.0, least, guide.deployed
-    while (found := rest(high, points)) is not None:
-        if high >= most:
-            return np.inf
-        low, high, points = high, min(GROWTH * high, most), found
-    if low == 0.0:
-        return 0.0
-    for _ in range(HALVINGS):
-        middle = np.sqrt(low * high)
-        found = rest(middle, points)
-        if found is None:
-            high = middle
-        else:
-            low, points = middle, found
-        if high - low <= 1e-4 * high:
-            break
-    return float(0.5 * (low + high))
-
-
 def _apart(energy: Energy, path: Path, minima: list[Minimum]) -> tuple[Minimum, ...]:
-    """Minima with something between: of neighbors on one flat stretch of the path the lower, or more open, one."""
+    """Minima with something between: of two at one height on one flat stretch of the path the more open one.
+
+    What the path does not come near it says nothing of.
+    """
     openings = np.array([mean_opening(energy, points) for points in path.points])
     least = SLIGHT * float(path.energies.max())
     kept: list[Minimum] = []
     for minimum in minima:
-        if kept:
-            between = (openings > kept[-1].opening) & (openings < minimum.opening)
-            top = float(path.energies[between].max(initial=0.0))
-            if top - max(kept[-1].energy, minimum.energy) <= least:
-                if not kept[-1].is_flat and minimum.energy <= kept[-1].energy + least:
+        if kept and abs(minimum.energy - kept[-1].energy) <= least:
+            top = _top(energy, path, openings, kept[-1], minimum)
+            if top is not None and path.energies[top] <= max(kept[-1].energy, minimum.energy) + least:
+                if not kept[-1].is_flat:
                     kept[-1] = minimum
                 continue
         kept.append(minimum)
     return tuple(kept)
+
+
+def _top(energy: Energy, path: Path, openings: np.ndarray, closed: Minimum, opened: Minimum) -> int | None:
+    """The highest state of a path between two minima; None where it does not come near both."""
+    for minimum in (closed, opened):
+        nearest = int(np.abs(openings - minimum.opening).argmin())
+        if _distance(minimum.points, path.points[nearest], energy.length) > NEARBY + 0.5 * path.moves[nearest]:
+            return None
+    between = np.flatnonzero((openings > closed.opening) & (openings < opened.opening))
+    return int(between[path.energies[between].argmax()]) if len(between) else None
+
+
+def _distance(points: np.ndarray, others: np.ndarray, length: float) -> float:
+    """Root mean square distance of two sheets, one upon the other, in tile edges."""
+    return float(np.sqrt(((nearest_place(points, others) - others) ** 2).sum(axis=1).mean()) / length)
 
 
 def _minimum(energy: Energy, guide: Guide, points: np.ndarray, flat: bool) -> Minimum:
@@ -217,17 +189,15 @@ def _minimum(energy: Energy, guide: Guide, points: np.ndarray, flat: bool) -> Mi
 def _is_same(one: Minimum, other: Minimum, length: float) -> bool:
     if one.is_flat and other.is_flat:
         return True
-    apart = np.sqrt(((one.points - other.points) ** 2).sum(axis=1).mean()) / length
-    return bool(abs(one.opening - other.opening) < SAME_OPENING and apart < SAME_PLACE)
+    if abs(one.opening - other.opening) >= SAME_OPENING:
+        return False
+    return _distance(one.points, other.points, length) < SAME_PLACE
 
 
-def _saddle(
-    energy: Energy, guide: Guide, path: Path, openings: np.ndarray, top: int
-) -> tuple[np.ndarray, float, bool] | None:
-    """The state between the neighbors of the highest one at which the load on the opening changes its sign."""
-    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed), toward=guide.deployed - guide.flat)
-    start = path.points[top]
-    found = [minimizer.solve(start, Loading(opening=openings[top]))]
+def _saddle(energy: Energy, guide: Guide, path: Path, openings: np.ndarray, top: int) -> Equilibrium | None:
+    """The saddle between the neighbors of the highest state, where the load on the opening changes its sign."""
+    minimizer = Minimizer(energy, pins=Pins.of(guide.deployed), toward=guide.deployed - guide.flat)
+    found = [minimizer.solve(path.points[top], Loading(opening=openings[top]))]
 
     def load(asked: float) -> float:
         found[0] = minimizer.solve(found[0].points, Loading(opening=asked))
@@ -239,6 +209,5 @@ def _saddle(
     if not known[ends[0]] > 0 > known[ends[1]]:
         return None
     load(openings[top])
-    brentq(lambda asked: known.get(asked) or load(asked), *ends, xtol=1e-13, rtol=1e-13)
-    state = found[0]
-    return state.points, state.energy, bool(state.is_converged and minimizer.is_saddle(state.points))
+    load(brentq(lambda asked: known[asked] if asked in known else load(asked), *ends, xtol=1e-13, rtol=1e-13))
+    return found[0] if minimizer.is_saddle(found[0].points) else None

@@ -112,6 +112,9 @@ def judge(
     # without torsion a sheet of rigid tiles rests wherever it is left, whatever a drive does to it
     along = still if energy.torsion == 0 and rigid else path
     minima = find_minima(energy, guide, along, should_stop)
+    if should_stop is not None and should_stop():
+        sentence = "Was followed to the end, and stopped while states of rest were sought."
+        return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, mechanisms, rigid)
     barriers = find_barriers(energy, guide, along, minima)
     kind = _kind(energy, minima, strain, admissible, rigid)
     held = _held(energy, guide, path)
@@ -158,11 +161,16 @@ def _sentence(
         text = f"Needs {_percent(strain)} strain in {named}, {over}; {_rests(minima, barriers)}."
     elif kind is Kind.SPRINGS_BACK:
         way = "rigid tiles lead to the shape without strain" if rigid else on_way
-        text = f"Springs back: let go anywhere it closes; {held}, and {way}."
+        rest = (
+            f"let go at the shape it closes; {_rests(minima, barriers)}"
+            if len(minima) > 1
+            else "let go anywhere it closes"
+        )
+        text = f"Springs back: {rest}; {held}, and {way}."
     elif kind is Kind.BISTABLE:
         top, last = barriers[-1] if barriers else None, minima[-1]
         bound = "" if top is None or top.is_saddle else "at most " if path.status is PathStatus.COMPLETE else "about "
-        over = f"a barrier of {bound}{top.opening:.2g}" if top else "no barrier that was found"
+        over = f"a barrier of {bound}{top.opening:.2g}" if top else "a barrier that this way does not show"
         back = f", and closes over one of {top.closing:.2g}" if top else ""
         text = f"Snaps over {over} and stays, open to {_percent(last.fraction)} of the shape{back}; {on_way}."
     else:

@@ -127,3 +127,42 @@ def test_a_run_without_a_certificate_is_refused() -> None:
     run = Run(Folder("runs/odd"), FitSpec("hypar"), {"certified": False, "status": "STALLED"})
     with pytest.raises(UnusableError, match="expected a certified run, got one that is not \\(STALLED\\)"):
         deploy_run(run)
+
+
+@pytest.mark.parametrize("stop", [0, 3, 11, 12, 14, 22, 23, 25, 33])
+def test_a_stop_anywhere_leaves_whole_states(stop: int) -> None:
+    told: list[int] = []
+    found = deploy(
+        *circle(), torsion=(0.0, 1e-4, 1e-3), steps=10,
+        should_stop=lambda: len(told) >= stop, progress=lambda k, _: told.append(k),
+    )  # fmt: skip
+    assert not found.is_complete and found.transition is None
+    assert found.verdicts[-1].kind is Kind.UNKNOWN
+    for path in found.paths:
+        count = len(path.fractions)
+        assert len(path.points) == len(path.residuals) == len(path.openings) == len(path.tile_strains) == count
+    assert len(found.still.fractions) == min(stop, 11)
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [({"torsion": "soft"}, ParameterError), ({"torsion": [[0.0, 1.0]]}, ParameterError),
+     ({"torsion": 1e300}, ParameterError), ({"drive": [[1], [2, 3]]}, ParameterError),
+     ({"admissible": np.nan}, ParameterError), ({"admissible": -1.0}, ParameterError)],
+)  # fmt: skip
+def test_options_of_no_sense_are_refused(options: dict[str, object], error: type[Exception]) -> None:
+    with pytest.raises(error, match="expected"):
+        deploy(*circle(), steps=4, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("deployed", [[[0.0, 1.0], [2.0]], np.zeros((0, 3)), np.zeros((3, 4)), "sheet"])
+def test_points_that_are_none_are_refused(deployed: object) -> None:
+    tessellation, contracted, _ = circle()
+    with pytest.raises(UnusableError, match="deployed: expected"):
+        deploy(tessellation, contracted, deployed, steps=4)  # type: ignore[arg-type]
+
+
+def test_a_sheet_that_does_not_open_is_refused() -> None:
+    tessellation = squares(1, 1, 0.0)
+    with pytest.raises(UnusableError, match="slits are open"):
+        deploy(tessellation, tessellation.contracted, tessellation.contracted, steps=4)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kirisurf.deployment.drive import driven_vertices, pinned_coordinates
+from kirisurf.deployment.drive import Pins, driven_vertices
 from kirisurf.deployment.energy import energy_of
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.following import follow_free_planar, follow_held, follow_rigid, follow_supported
@@ -135,7 +135,7 @@ def test_a_sheet_that_is_let_go_closes() -> None:
     tessellation = squares()
     guide = Guide(tessellation, tessellation.contracted, tessellation.deployed)
     energy = energy_of(tessellation, tessellation.contracted, 1e-2, 2)
-    found = Minimizer(energy, pinned=pinned_coordinates(guide.deployed)).solve(bumpy(guide.deployed, 0.01))
+    found = Minimizer(energy, pins=Pins.of(guide.deployed)).solve(bumpy(guide.deployed, 0.01))
     assert found.is_converged and found.is_stable
     assert found.energy < 1e-18
     assert np.abs(energy.openings(found.points)).max() < 1e-7

@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kirisurf.deployment.drive import pinned_coordinates
+from kirisurf.deployment import Kind, deploy
+from kirisurf.deployment.drive import Pins, driven_vertices
 from kirisurf.deployment.energy import Energy, energy_of
 from kirisurf.deployment.equilibrium import Minimizer
-from kirisurf.deployment.following import follow_free_planar
+from kirisurf.deployment.following import follow_free_planar, follow_held
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.ligament import torsion_of_ligament
-from kirisurf.deployment.stability import find_barriers, find_minima, transition_torsion
+from kirisurf.deployment.stability import find_barriers, find_minima
+from kirisurf.deployment.transition import RIGID_TORSION, transition_torsion
 from kirisurf.errors import ParameterError
-from tests.kirisurf.deployment.patterns import circle, squares
+from tests.kirisurf.deployment.patterns import bumpy, circle, kagome, squares
 
 
 def circle_at(torsion: float) -> tuple[Energy, Guide]:
@@ -41,7 +43,7 @@ def test_the_saddle_leads_to_both_states() -> None:
     minima = find_minima(energy, guide, path)
     (barrier,) = find_barriers(energy, guide, path, minima)
     top = barrier.fraction * (len(path.fractions) - 1)
-    minimizer = Minimizer(energy, pinned=pinned_coordinates(guide.deployed))
+    minimizer = Minimizer(energy, pins=Pins.of(guide.deployed))
     ends = [minimizer.solve(path.points[int(k)]).energy for k in (top - 3, top + 4)]
     np.testing.assert_allclose(ends, [m.energy for m in minima], atol=1e-9)
     assert barrier.opening - barrier.closing == pytest.approx(minima[1].energy - minima[0].energy, abs=1e-12)
@@ -54,7 +56,7 @@ def test_the_transition_parts_two_kinds() -> None:
     assert transition_torsion(energy, guide, least=2 * at) == 0
     counts = []
     for torsion in (0.98 * at, 1.02 * at):
-        minimizer = Minimizer(energy.with_torsion(torsion), pinned=pinned_coordinates(guide.deployed))
+        minimizer = Minimizer(energy.with_torsion(torsion), pins=Pins.of(guide.deployed))
         rests = [minimizer.solve(guide.at(fraction), max_steps=400) for fraction in (0.0, 0.8, 1.0)]
         assert all(rest.is_converged and rest.is_stable for rest in rests)
         counts.append(len({round(rest.energy, 9) for rest in rests}))
@@ -64,7 +66,9 @@ def test_the_transition_parts_two_kinds() -> None:
 def test_a_mechanism_has_no_transition() -> None:
     tessellation = squares()
     energy = energy_of(tessellation, tessellation.contracted, 0.0, 2)
-    assert transition_torsion(energy, Guide(tessellation, tessellation.contracted, tessellation.deployed)) == 0
+    guide = Guide(tessellation, tessellation.contracted, tessellation.deployed)
+    assert transition_torsion(energy, guide, RIGID_TORSION) == 0
+    assert transition_torsion(energy, guide, should_stop=lambda: True) is None
 
 
 def test_where_nothing_costs_energy_both_ends_are_named() -> None:
@@ -104,3 +108,49 @@ def test_ligaments_that_are_none_are_refused(options: dict[str, float]) -> None:
     tessellation = squares()
     with pytest.raises(ParameterError, match="expected a number"):
         torsion_of_ligament(energy_of(tessellation, tessellation.contracted), **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("degrees", [0.0, 15.0, 50.0, 77.0])
+def test_no_support_holds_a_sheet_that_is_let_go(degrees: float) -> None:
+    # where a sheet rests nothing pulls, on supported coordinates neither, whichever way it lies
+    tessellation = kagome()
+    flat, angle = tessellation.contracted, np.radians(degrees)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    energy = energy_of(tessellation, flat, 1e-3, 2)
+    guide = Guide(tessellation, flat, tessellation.deployed @ turn)
+    minimizer = Minimizer(energy, pins=Pins.of(guide.deployed))
+    for start in (guide.deployed, guide.at(0.5), bumpy(guide.at(0.8), 0.02)):
+        found = minimizer.solve(start, max_steps=1000)
+        assert found.is_converged and found.is_stable
+        assert np.abs(energy.gradient(found.points)).max() <= 1e-9 * energy.unit_force
+
+
+def test_a_drive_does_not_hide_where_the_sheet_rests() -> None:
+    energy, guide = circle_at(1e-4)
+    held = driven_vertices(circle()[0], "corners")
+    fractions = np.linspace(0, 1, 11)
+    path = follow_held(energy, guide, held, fractions, guide.places(fractions, is_straight=True))
+    opened = find_minima(energy, guide, path)[-1]
+    assert opened.fraction > 0.8
+    assert np.abs(energy.gradient(opened.points)).max() <= 1e-9 * energy.unit_force
+    free = follow_free_planar(energy, guide, np.linspace(0, 1, 21))
+    assert find_minima(energy, guide, free)[-1].opening == pytest.approx(opened.opening, abs=1e-3)
+    # a way that does not come near both says nothing of the barrier; the free way goes over the saddle
+    assert path.energies[-1] != opened.energy
+    known = find_barriers(energy, guide, free, find_minima(energy, guide, free))
+    for barrier in find_barriers(energy, guide, path, find_minima(energy, guide, path)):
+        assert barrier.energy >= known[-1].energy - 1e-12
+
+
+@pytest.mark.parametrize("torsion", [0.0, 1e-10, 1e-8, 1e-6])
+def test_an_open_state_is_seen_however_soft_the_slits(torsion: float) -> None:
+    energy, guide = circle_at(torsion)
+    path = follow_free_planar(energy, guide, np.linspace(0, 1, 21))
+    assert [round(minimum.fraction, 2) for minimum in find_minima(energy, guide, path)] == [0.0, 1.0]
+
+
+def test_a_path_that_leads_nowhere_says_nothing_of_the_shape() -> None:
+    tessellation = squares()
+    found = deploy(tessellation, tessellation.contracted, tessellation.deployed, torsion=1e-3, drive=[0], steps=4)
+    assert found.verdicts[0].kind is Kind.SPRINGS_BACK
+    assert found.transition == 0
