@@ -16,8 +16,8 @@ SMALL = 0.03
 ROUND = 0.02
 """Radius in radians by which spatial angles are rounded where they close."""
 
-FLAT = 1e-8
-"""Least sine: in space an angle has no derivatives at pi."""
+LEAST_SINE = 1e-8
+"""In space an angle has no derivatives at pi: the sine is taken for no less."""
 
 Derivatives = tuple[Float[np.ndarray, "2 d k"], dict[tuple[int, int], Float[np.ndarray, "d d k"]]]
 
@@ -114,7 +114,7 @@ def _by_cosine(angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     first = -2 * (1 + square / 6 + 7 * square**2 / 360 + 31 * square**3 / 15120)
     second = 2 / 3 + 4 * square / 15 + 4 * square**2 / 63
     wide = np.maximum(angle, SMALL)
-    sine = np.maximum(np.sin(wide), FLAT)
+    sine = np.maximum(np.sin(wide), LEAST_SINE)
     large = angle > SMALL
     return (
         np.where(large, -2 * wide / sine, first),

@@ -141,7 +141,7 @@ class RunFolder:
             raise ParameterError(f"{self.path}: expected a new or empty folder, got {what}{hint}")
         if not self._is_old():
             raise ParameterError(
-                f"{self.path}: expected a run folder to overwrite, got a folder with other files "
+                f"{self.path}: expected a folder with {self.record} to overwrite, got one with other files "
                 f"({', '.join(found[:3])}{', ...' if len(found) > 3 else ''})"
             )
 

@@ -12,6 +12,7 @@ from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.following import follow_free_planar, follow_held
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.ligament import torsion_of_ligament
+from kirisurf.deployment.loading import Loading, mean_opening
 from kirisurf.deployment.stability import find_barriers, find_minima
 from kirisurf.deployment.transition import RIGID_TORSION, transition_torsion
 from kirisurf.errors import ParameterError
@@ -42,9 +43,14 @@ def test_the_saddle_leads_to_both_states() -> None:
     path = follow_free_planar(energy, guide, np.linspace(0, 1, 21))
     minima = find_minima(energy, guide, path)
     (barrier,) = find_barriers(energy, guide, path, minima)
-    top = barrier.fraction * (len(path.fractions) - 1)
-    minimizer = Minimizer(energy, pins=Pins.of(guide.deployed))
-    ends = [minimizer.solve(path.points[int(k)]).energy for k in (top - 3, top + 4)]
+    first, last = (mean_opening(energy, end) for end in (guide.flat, guide.deployed))
+    pins, toward = Pins.of(guide.deployed), guide.deployed - guide.flat
+    held = Minimizer(energy, pins=pins, toward=toward)
+    near = path.points[np.abs(path.energies - barrier.energy).argmin()]
+    ends = []
+    for side in (-1e-3, 1e-3):  # a little closed, and a little opened from the saddle
+        load = Loading(opening=first + (barrier.fraction + side) * (last - first))
+        ends.append(Minimizer(energy, pins=pins).solve(held.solve(near, load).points).energy)
     np.testing.assert_allclose(ends, [m.energy for m in minima], atol=1e-9)
     assert barrier.opening - barrier.closing == pytest.approx(minima[1].energy - minima[0].energy, abs=1e-12)
 
