@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from kirisurf.arrays import checked
 from kirisurf.deployment.drive import checked_trajectory, driven_vertices, usual_trajectory
-from kirisurf.deployment.energy import Energy, checked_torsion, energy_of
+from kirisurf.deployment.energy import Energy, checked_torsion
 from kirisurf.deployment.following import (
     follow_free_planar,
     follow_held,
@@ -22,6 +22,7 @@ from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.kinematics import n_mechanisms
 from kirisurf.deployment.loading import mean_opening
 from kirisurf.deployment.path import Path, PathStatus, Progress, ShouldStop
+from kirisurf.deployment.springs import energy_of
 from kirisurf.deployment.transition import LEAST_TORSION, RIGID_TORSION, transition_torsion
 from kirisurf.deployment.verdict import ADMISSIBLE, Kind, Verdict, judge
 from kirisurf.errors import ParameterError, UnusableError

@@ -32,7 +32,7 @@ def n_mechanisms(energy: Energy, points: Float[np.ndarray, "n d"], tolerance: fl
 
     Examples
     --------
-    >>> from kirisurf.deployment.energy import energy_of
+    >>> from kirisurf.deployment.springs import energy_of
     >>> from kirisurf.pattern import quad_pattern
     >>> four = quad_pattern(1, 1, 0.3)
     >>> n_mechanisms(energy_of(four, four.contracted, dimension=2), four.deployed)

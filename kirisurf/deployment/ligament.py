@@ -64,7 +64,7 @@ def torsion_of_ligament(
 
     Examples
     --------
-    >>> from kirisurf.deployment.energy import energy_of
+    >>> from kirisurf.deployment.springs import energy_of
     >>> from kirisurf.pattern import quad_pattern
     >>> sheet = quad_pattern(4, 4)
     >>> energy = energy_of(sheet, sheet.contracted, dimension=2)

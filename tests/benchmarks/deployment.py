@@ -25,7 +25,6 @@ if str(ROOT) not in sys.path:
 import kirisurf  # noqa: E402
 from kirisurf.deployment import Path as Way  # noqa: E402
 from kirisurf.deployment.drive import DRIVES, driven_vertices  # noqa: E402
-from kirisurf.deployment.energy import energy_of  # noqa: E402
 from kirisurf.deployment.following import (  # noqa: E402
     follow_free_planar,
     follow_held,
@@ -33,6 +32,7 @@ from kirisurf.deployment.following import (  # noqa: E402
     follow_supported,
 )
 from kirisurf.deployment.guide import Guide  # noqa: E402
+from kirisurf.deployment.springs import energy_of  # noqa: E402
 from kirisurf.design import Design  # noqa: E402
 from kirisurf.formats.atomic import write_text  # noqa: E402
 from kirisurf.one_thread import on_one_thread  # noqa: E402

@@ -8,7 +8,8 @@ from scipy.sparse import tril, triu
 from scipy.spatial.transform import Rotation
 
 from kirisurf.deployment.elements import SOFT, Contacts
-from kirisurf.deployment.energy import Energy, energy_of
+from kirisurf.deployment.energy import Energy
+from kirisurf.deployment.springs import energy_of
 from kirisurf.derive import derive_tessellation
 from kirisurf.errors import ParameterError, UnusableError
 from kirisurf.loops import Loops

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kirisurf.deployment.energy import energy_of
 from kirisurf.deployment.guide import Guide, nearest_place
+from kirisurf.deployment.springs import energy_of
 from kirisurf.errors import UnusableError
 from tests.kirisurf.deployment.patterns import circle, hypar, squares
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from kirisurf.deployment.elements import Folds
-from kirisurf.deployment.energy import Energy, energy_of
+from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.kinematics import INDEPENDENT, n_mechanisms
+from kirisurf.deployment.springs import energy_of
 from tests.kirisurf.deployment.patterns import bumpy, circle, hypar, kagome, lifted, squares
 
 

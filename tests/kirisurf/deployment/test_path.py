@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from kirisurf.deployment.drive import Pins, driven_vertices
-from kirisurf.deployment.energy import energy_of
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.following import follow_free_planar, follow_held, follow_rigid, follow_supported
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.path import Path, PathStatus
+from kirisurf.deployment.springs import energy_of
 from kirisurf.errors import ParameterError
 from kirisurf.tessellation import Tessellation
 from tests.kirisurf.deployment.patterns import bumpy, circle, hypar, kagome, squares

@@ -7,12 +7,13 @@ import pytest
 
 from kirisurf.deployment import Kind, deploy
 from kirisurf.deployment.drive import Pins, driven_vertices
-from kirisurf.deployment.energy import Energy, energy_of
+from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.following import follow_free_planar, follow_held
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.ligament import torsion_of_ligament
 from kirisurf.deployment.loading import Loading, mean_opening
+from kirisurf.deployment.springs import energy_of
 from kirisurf.deployment.stability import find_barriers, find_minima
 from kirisurf.deployment.transition import RIGID_TORSION, transition_torsion
 from kirisurf.errors import ParameterError
