@@ -17,7 +17,7 @@ def test_a_tiny_run_gives_a_row_for_every_sheet_and_drive(tmp_path: Path, capsys
     lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in path.read_text().splitlines()]
     rows = [dict(zip(deployment.COLUMNS, line, strict=True)) for line in lines[2:]]
     assert [(row["sheet"], row["drive"]) for row in rows] == [
-        (sheet, drive) for sheet in ("planar", "hypar") for drive in ("free", "rim")
+        (sheet, drive) for sheet in deployment.TARGETS for drive in ("free", "rim")
     ]
     for row in rows:
         assert row["tiles"] == "16" and row["states"] == "5" and float(row["states/s"]) > 0
