@@ -18,6 +18,9 @@ from kirisurf.deployment.newton import Operator, State
 TOLERANCE = 1e-10
 """Largest force on a free vertex at an equilibrium, over that of a rod with strain 1."""
 
+NOTHING = 1e-20
+"""Energy below which a state is a minimum whatever its second derivatives: energies are sums of squares."""
+
 STILL = 1e-7
 """Largest force on a free vertex at a saddle, which is found by the opening at which its load vanishes."""
 
@@ -184,6 +187,9 @@ class Minimizer:
         shift, step, is_convex = self._least, 0, not self.curved
         state, operator, is_fresh = self._state(points, loading), None, True
         while not (state.residual <= self.tolerance and is_convex) and np.isfinite(state.residual):
+            if state.residual <= self.tolerance and state.total <= NOTHING:
+                is_convex = True
+                break
             if operator is None:
                 # where nothing pulls, all that is left to know is whether this is a minimum
                 shift = self._least if state.residual <= self.tolerance else shift
