@@ -7,11 +7,15 @@ from jaxtyping import Float
 
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.factor import Factors
-from kirisurf.deployment.path import STRAINLESS, Path
+from kirisurf.deployment.path import Path
 from kirisurf.errors import UnusableError
 
 INDEPENDENT = 1e-5
 """Singular value of the rigidity matrix, whose rows are strains per displacement in tile edges, below which it is 0."""
+
+RIGID = 1e-5
+"""Largest strain of rigid tiles: next to the flat sheet, where the last digits come slowly, a state is taken at a root
+mean square of 1e-6, and one spring may have more."""
 
 
 def n_mechanisms(energy: Energy, points: Float[np.ndarray, "n d"], tolerance: float = INDEPENDENT) -> int:
@@ -49,8 +53,8 @@ def n_mechanisms(energy: Energy, points: Float[np.ndarray, "n d"], tolerance: fl
 
 
 def is_rigid(path: Path) -> bool:
-    """Are all states of a path without torsion free of strain, to 1e-6 in every spring?"""
-    return bool(path.torsion == 0 and len(path.fractions) and path.largest_strains.max() <= np.sqrt(STRAINLESS))
+    """Are all states of a path without torsion free of strain, to `RIGID` in every spring?"""
+    return bool(path.torsion == 0 and len(path.fractions) and path.largest_strains.max() <= RIGID)
 
 
 def most_strained(path: Path, count: int = 5) -> tuple[float, tuple[int, ...]]:
