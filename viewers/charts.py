@@ -23,23 +23,15 @@ MOST_DOTS = 1500
 """Dots that are drawn as shapes; more become one picture within the chart."""
 
 _STYLE: Any = {
+    **theme.CHART_STYLE,
     "svg.hashsalt": "kirisurf",
     "svg.fonttype": "path",
     "font.size": 9.0,
-    "axes.edgecolor": theme.MUTED,
-    "axes.labelcolor": theme.INK,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
     "axes.titlesize": 9.5,
     "axes.titlecolor": theme.INK,
     "axes.titlelocation": "left",
-    "xtick.color": theme.MUTED,
-    "ytick.color": theme.MUTED,
     "grid.color": theme.HAIRLINE,
     "grid.linewidth": 0.6,
-    "legend.frameon": False,
-    "text.color": theme.INK,
     "text.parse_math": True,
 }
 

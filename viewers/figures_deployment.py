@@ -30,16 +30,8 @@ _AXES = {
     "moved": "part of the way of the vertices that are moved",
 }
 _STYLE: Any = {
+    **theme.CHART_STYLE,
     "font.size": 10.0,
-    "axes.edgecolor": theme.MUTED,
-    "axes.labelcolor": theme.INK,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.color": theme.MUTED,
-    "ytick.color": theme.MUTED,
-    "legend.frameon": False,
-    "text.color": theme.INK,
     "text.parse_math": True,
 }
 

@@ -28,16 +28,8 @@ _DPI, _COLORS = 150, 96
 _PAGE = 9.0, 3.55
 _SHOWN = 4.0  # half of the window on the mesh, in widths of a ligament
 _STYLE: Any = {
+    **theme.CHART_STYLE,
     "font.size": 9.0,
-    "axes.edgecolor": theme.MUTED,
-    "axes.labelcolor": theme.INK,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.color": theme.MUTED,
-    "ytick.color": theme.MUTED,
-    "legend.frameon": False,
-    "text.color": theme.INK,
 }
 
 

@@ -26,5 +26,18 @@ SEQUENTIAL = ("YlGnBu", 0.04, 0.92)
 # Okabe and Ito's colors, without the yellow that vanishes on white.
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 
+# What axes of every chart have in common, by matplotlib's names.
+CHART_STYLE = {
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "legend.frameon": False,
+    "text.color": INK,
+}
+
 EDGE_WIDTH = 1.6
 RIM_WIDTH = 2.0

@@ -43,11 +43,17 @@ def test_a_run_has_the_section_once_it_is_deployed(run: Run, tmp_path: Path) -> 
         assert found == float(each.value) and each.text == formatted(found, each.form)
 
 
-def test_the_deployment_of_other_states_is_not_shown(run: Run, tmp_path: Path) -> None:
+def record_of(run: Run) -> Path:
+    """The record of the run's deployment, which is made where there is none."""
     file = run.folder / "deployment" / "deployment.json"
     if not file.exists():
         with deployment_folder(run) as folder:
             save_deployment(deploy_with_collisions(run, steps=2, torsion=(0.0,)), folder, animation=False)
+    return file
+
+
+def test_the_deployment_of_other_states_is_not_shown(run: Run, tmp_path: Path) -> None:
+    file = record_of(run)
     record = file.read_text(encoding="utf-8")
     assert run_parts(run).deployment is not None
     try:
@@ -59,10 +65,7 @@ def test_the_deployment_of_other_states_is_not_shown(run: Run, tmp_path: Path) -
 
 
 def test_states_out_of_equilibrium_are_not_called_balanced(run: Run, tmp_path: Path) -> None:
-    file = run.folder / "deployment" / "deployment.json"
-    if not file.exists():
-        with deployment_folder(run) as folder:
-            save_deployment(deploy_with_collisions(run, steps=2, torsion=(0.0,)), folder, animation=False)
+    file = record_of(run)
     text = file.read_text(encoding="utf-8")
     record = json.loads(text)
     record["paths"][-1]["largest_residual"] = 1e-3
