@@ -11,12 +11,11 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import time
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from kirisurf.batch.items import Item
+from kirisurf.batch.making import PATIENCE
 from kirisurf.batch.outcome import FINISHED, Outcome, is_whole, outcome_of_run, read_result
 from kirisurf.batch.reading import BatchSpec
 from kirisurf.errors import OutputError, ParameterError
@@ -24,16 +23,10 @@ from kirisurf.formats.atomic import TEMPORARY, write_text
 from kirisurf.provenance import inputs, key
 from kirisurf.runs import RunFolder
 from kirisurf.runs.folder import RESULT
+from kirisurf.runs.lock import FolderLock
 from kirisurf.runs.record import json_text
 
-fcntl: ModuleType | None
-try:
-    import fcntl
-except ImportError:
-    fcntl = None
-
 SPEC, RUNS, OUTCOMES = "batch.toml", "runs", "outcomes"
-_CLEAN_TRIES = 50
 
 
 class BatchFolder:
@@ -59,7 +52,7 @@ class BatchFolder:
         except OSError:
             raise OutputError(f"{path}: expected a folder, got a current one that is gone: change to another") from None
         self._text = text
-        self._lock: int | None = None
+        self._lock = FolderLock(self.path)
 
     def __enter__(self) -> BatchFolder:
         try:
@@ -75,19 +68,19 @@ class BatchFolder:
                 for left in folder.glob(f"{TEMPORARY}*"):
                     left.unlink(missing_ok=True)
         except OutputError:
-            self._unlock()
+            self._lock.release()
             raise
         except OSError as problem:
-            self._unlock()
+            self._lock.release()
             why = problem.strerror or problem
             raise OutputError(f"{self.path}: expected to write this folder, got: {why}") from problem
         except BaseException:
-            self._unlock()
+            self._lock.release()
             raise
         return self
 
     def __exit__(self, *exception: object) -> None:
-        self._unlock()
+        self._lock.release()
 
     def run(self, item: Item) -> Path:
         """Return the run folder of an item."""
@@ -127,6 +120,17 @@ class BatchFolder:
         before = self._outcome(item)
         return outcome_of_run(item, run, folder, self.path, before.get("peak_mb"))
 
+    def clear(self, item: Item) -> None:
+        """Remove what an item that ended without a run left in its folder, and the folder where nothing else is there.
+
+        A process that dies in the middle, here or on a worker that is lost with it, cannot remove what it began.
+        """
+        folder = self.run(item)
+        if folder.is_dir():
+            with contextlib.suppress(OSError, OutputError):
+                _clean(folder)
+                folder.rmdir()
+
     def forgotten(self, spec: BatchSpec) -> tuple[str, ...]:
         """Return the names of runs in the folder that belong to no item of a batch."""
         names = {item.name for item in spec.items}
@@ -155,31 +159,11 @@ class BatchFolder:
             raise ParameterError(f"{self.path}: expected a new or empty folder or that of a batch, got {what}")
 
     def _take_lock(self) -> None:
-        if fcntl is None:
-            return
-        self._lock = os.open(self.path, os.O_RDONLY)
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise OutputError(
-                f"{self.path}: expected a free folder, got one that another batch is writing to"
-            ) from None
-        except OSError:
-            self._unlock()  # some network disks know no locks
-
-    def _unlock(self) -> None:
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
+        if not self._lock.take():
+            raise OutputError(f"{self.path}: expected a free folder, got one that another batch is writing to")
 
 
 def _clean(folder: Path) -> None:
     """Remove what a killed process left in a run folder, once the last of it has gone."""
-    for left in range(_CLEAN_TRIES, 0, -1):
-        try:
-            with contextlib.suppress(ParameterError), RunFolder(folder, overwrite=True):
-                return  # opening it cleans it
-        except OutputError:
-            if left == 1:
-                raise
-            time.sleep(0.1)
+    with contextlib.suppress(ParameterError), RunFolder(folder, overwrite=True, patience=PATIENCE):
+        return  # opening it cleans it

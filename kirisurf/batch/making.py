@@ -14,6 +14,9 @@ from kirisurf.runs import RunFolder
 from kirisurf.spec import FitSpec
 from kirisurf.states import Step
 
+PATIENCE = 5.0
+"""Seconds that a process has to go that made this run before, whose batch, host or worker was lost."""
+
 
 class _Unfollowed:
     """Nobody looks on: what a run says stands in its record."""
@@ -32,7 +35,7 @@ def make(order: Order) -> tuple[int, str]:
     """Make a run and return its exit code, and its error where there is one; nothing is raised."""
     try:
         spec = FitSpec.from_dict(order.options)
-        with RunFolder(order.folder, overwrite=True) as folder, Interruption(_told) as stop:
+        with RunFolder(order.folder, overwrite=True, patience=PATIENCE) as folder, Interruption(_told) as stop:
             run = execute(spec, folder, stop, _Unfollowed(), pictures=order.pictures)
         return int(run.result["exit_code"]), ""
     except (Exception, KeyboardInterrupt) as problem:

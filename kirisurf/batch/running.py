@@ -91,6 +91,8 @@ def run_batch(spec: BatchSpec, folder: BatchFolder, engine: Engine, asking: Aski
         for number, answer in answers:
             item = to_make[number]
             found = outcome_of(item, answer, folder.run(item), folder.path)
+            if found.folder is None:
+                folder.clear(item)
             outcomes[item.name] = found
             folder.record(found)
             told.ended(found)

@@ -13,15 +13,9 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 from kirisurf.errors import OutputError, ParameterError
-
-fcntl: ModuleType | None
-try:
-    import fcntl
-except ImportError:  # Windows has no advisory locks of this kind; there a second writer is not noticed
-    fcntl = None
+from kirisurf.runs.lock import FolderLock
 
 RESULT, SPEC = "result.json", "run.toml"
 _STAGING, _PREVIOUS = ".kirisurf-partial-", ".kirisurf-previous-"
@@ -50,6 +44,8 @@ class RunFolder:
         Replace an old run once the new one is complete. Other files in the folder stay.
     record : str
         Name of the file that is written last and lists all others.
+    patience : float
+        Seconds to wait where another process writes to the folder, as one that is about to end may do.
 
     Raises
     ------
@@ -59,17 +55,20 @@ class RunFolder:
         Where it cannot be made or written, or is locked by another process.
     """
 
-    def __init__(self, path: str | os.PathLike[str], overwrite: bool = False, record: str = RESULT) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], overwrite: bool = False, record: str = RESULT, patience: float = 0.0
+    ) -> None:
         try:
             self.path = Path(os.path.abspath(path))
         except OSError:
             raise OutputError(f"{path}: expected a folder, got a current one that is gone: change to another") from None
         self.overwrite = overwrite
         self.record = record
+        self._patience = patience
         self.committed = False
         self._staging: Path | None = None
         self._made: list[Path] = []
-        self._lock: int | None = None
+        self._lock = FolderLock(self.path)
 
     @property
     def staging(self) -> Path:
@@ -164,18 +163,14 @@ class RunFolder:
             self._made.append(folder)
 
     def _take_lock(self) -> None:
-        if fcntl is None:
-            return
-        self._lock = os.open(self.path, os.O_RDONLY)
-        try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            self._made.clear()
-            raise OutputError(f"{self.path}: expected a free folder, got one that another run is writing to") from None
-        except OSError:
-            # Some network disks know no locks: go on without, as on Windows.
-            os.close(self._lock)
-            self._lock = None
+        while True:
+            if not self._lock.take(self._patience):
+                self._made.clear()
+                raise OutputError(f"{self.path}: expected a free folder, got one that another run is writing to")
+            if self._lock.is_on_its_folder():
+                return
+            self._lock.release()
+            self._make()
 
     def _remove_leftovers(self) -> None:
         """Remove what a killed process staged; bring back a run that it was about to replace."""
@@ -200,9 +195,7 @@ class RunFolder:
                 with contextlib.suppress(OSError):
                     folder.rmdir()
         self._made.clear()
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
+        self._lock.release()
 
 
 def _listed_files(folder: Path, record: str) -> list[str]:

@@ -32,6 +32,9 @@ if any("kirisurf.batch" in word for word in getattr(sys, "orig_argv", ())):
         if "killer" in name:
             os.kill(os.getppid(), signal.SIGKILL)
             time.sleep(60)
+        if "midway" in name:
+            # after the folder was made, before anything was saved in it
+            making.execute = lambda *parts, **options: os.kill(os.getpid(), signal.SIGKILL)
         return sound(order)
     making.make = make
 """

@@ -6,6 +6,8 @@ import json
 import os
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -129,6 +131,25 @@ def test_a_folder_that_is_being_written_is_locked(tmp_path: Path) -> None:
         fill(opened, "x")
         opened.commit()
     assert "another run is writing" in child.stderr and "in" not in child.stdout
+    assert content(tmp_path / "run")["a.txt"] == b"x"
+
+
+def test_a_folder_is_waited_for_also_where_its_writer_removes_it(tmp_path: Path) -> None:
+    pytest.importorskip("fcntl", reason="locks did not run: this system has no fcntl")
+    entered = threading.Event()
+
+    def write_nothing() -> None:
+        with RunFolder(tmp_path / "run"):
+            entered.set()
+            time.sleep(0.3)
+
+    writer = threading.Thread(target=write_nothing)
+    writer.start()
+    entered.wait()
+    with RunFolder(tmp_path / "run", overwrite=True, patience=60.0) as opened:
+        writer.join()
+        fill(opened, "x")
+        opened.commit()
     assert content(tmp_path / "run")["a.txt"] == b"x"
 
 
