@@ -111,7 +111,17 @@ def export_with_remarks(
     """Write one file as :func:`export` does, and return what is to be said about it."""
     making = making or Fabrication()
     check_names([path], state, making, frames)
-    path = Path(path)
+    written = _written(run, Path(path), state, making, frames)
+    return written if run.result["certified"] else replace(written, warnings=(_uncertified(run), *written.warnings))
+
+
+def _uncertified(run: Run) -> str:
+    failures = run.result["certificate_beside"]["failures"]
+    because = f": {failures[0]}" if failures else "."
+    return f"The run is not certified, and what is cut from it may not close or open{because}"
+
+
+def _written(run: Run, path: Path, state: str | None, making: Fabrication, frames: int) -> Exported:
     suffix = path.suffix.lower()
     if suffix in CUTTING:
         lines, placement = cut_lines(run, making)

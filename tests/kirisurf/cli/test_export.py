@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -72,3 +73,16 @@ def test_narrowed_hinges_are_a_warning_with_its_code(folder: Path, tmp_path: Pat
     most = capsys.readouterr().err.partition("at most ")[2].partition(" ")[0]
     assert cli.main([*words, str(0.9999 * float(most))]) == 1
     assert "hinges are narrower than" in capsys.readouterr().err
+
+
+def test_what_is_not_certified_is_never_written_in_silence(folder: Path, tmp_path: Path, capsys: Captured) -> None:
+    shutil.copytree(folder, tmp_path / "run")
+    record = tmp_path / "run" / "result.json"
+    result = json.loads(record.read_text())
+    result["certificate_beside"]["failures"] = ["closure 0.1 exceeds 1e-10"]
+    record.write_text(json.dumps({**result, "certified": False}))
+    names = [str(tmp_path / f"a{suffix}") for suffix in (".svg", ".dxf", ".stl", ".obj", ".inp")]
+    assert cli.main(["export", str(tmp_path / "run"), "--to", *names, "--thickness", "0.1"]) == 1
+    said = capsys.readouterr().err
+    assert said.count("not certified, and what is cut from it may not close or open: closure 0.1 exceeds") == 1
+    assert all(Path(name).exists() for name in names)
