@@ -1,14 +1,7 @@
-"""From a run to its deployment as files: table, record, figure, time series and film, in a folder of its own.
-
-The folder lies in the run's by default, and is no part of it: the hashes of the run stay as they are. It is written
-as a run folder is, all files together or none, and names the run's states by their hashes, so that the deployment of
-a run that was made anew does not pass for its.
-"""
+"""From a run to its deployment as files: table, record, figure, time series and film."""
 
 from __future__ import annotations
 
-import json
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,20 +9,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
 
-from kirisurf.arrays import frozen
 from kirisurf.deployment import Deployment, deploy_run, energy_of, torsion_of_ligament
 from kirisurf.deployment.deployment import STEPS, TORSIONS
 from kirisurf.deployment.drive import DRIVES, checked_trajectory
 from kirisurf.deployment.energy import checked_torsion
+from kirisurf.deployment_folder import FIGURE, FILM, RECORD, SERIES, TABLE, key_of
 from kirisurf.deployment_pictures import film, picture
 from kirisurf.deployment_tables import deployment_csv, deployment_record
-from kirisurf.errors import KirisurfError, ParameterError, UnreadableError
+from kirisurf.errors import ParameterError
 from kirisurf.exporting_deployment import write_deployment_series
-from kirisurf.formats import read_polygons
 from kirisurf.formats.atomic import write_bytes, write_text
-from kirisurf.formats.pieces import pieces_folder
 from kirisurf.judging import path_collisions
 from kirisurf.one_thread import on_one_thread
 from kirisurf.runs import Run, RunFolder
@@ -41,9 +31,6 @@ if TYPE_CHECKING:
 TOUCHING = 0.01
 """Overlap over the tile edge up to which tiles only touch: about as far as their contacts give way."""
 
-FOLDER, RECORD = "deployment", "deployment.json"
-TABLE, FIGURE, SERIES, FILM = "deployment.csv", "deployment.png", "deployment.pvd", "deployment.gif"
-_STATES = ("deployed.obj", "contracted.obj")
 
 Stage = Callable[[str], None]
 Progress = Callable[[int, int], None]
@@ -75,7 +62,7 @@ class DeployedRun:
         """What was found, as `deployment.json` has it."""
         return {
             "run": self.run.name,
-            "key": _key(self.run),
+            "key": key_of(self.run),
             "units": self.run.result["units"],
             "options": dict(self.options),
             **deployment_record(self.deployment, self.collisions),
@@ -175,14 +162,6 @@ def deploy_with_collisions(
     return DeployedRun(run, found, met, options, time.perf_counter() - began)
 
 
-def deployment_folder(run: Run, path: str | os.PathLike[str] | None = None) -> RunFolder:
-    """Return the folder that a deployment is written into, to be entered: by default `deployment` in that of the run.
-
-    An earlier deployment there is replaced.
-    """
-    return RunFolder(run.folder / FOLDER if path is None else path, overwrite=True, record=RECORD)
-
-
 def save_deployment(
     found: DeployedRun, folder: RunFolder, *, animation: bool = True, stage: Stage = lambda name: None
 ) -> Path:
@@ -208,50 +187,3 @@ def save_deployment(
     write_text(to / RECORD, json_text({**found.record, "versions": versions(), "files": files}))
     folder.commit()
     return folder.path
-
-
-def read_deployment(run: Run, path: str | os.PathLike[str] | None = None) -> dict[str, Any] | None:
-    """Return the record of a run's deployment; None where there is none, or that of another state of the run.
-
-    Raises
-    ------
-    UnreadableError
-        Where there is a record that cannot be read.
-    """
-    file = Path(path or run.folder / FOLDER) / RECORD
-    try:
-        record = json.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError) as problem:
-        raise UnreadableError(f"{file}: expected the record of a deployment, got {problem}") from None
-    if not isinstance(record, dict) or not isinstance(record.get("paths"), list):
-        raise UnreadableError(f"{file}: expected the record of a deployment, got another file")
-    return record if record.get("key") == _key(run) else None
-
-
-def read_way(run: Run) -> tuple[Float[np.ndarray, "k n 3"], float, str] | None:
-    """Return the states of the first path in a run's deployment, its lambda and its drive.
-
-    None where there is no deployment of the run, or one whose files are gone or have changed: who looks at a run must
-    not be kept from it.
-    """
-    folder = run.folder / FOLDER
-    try:
-        record = read_deployment(run)
-        if record is None:
-            return None
-        first, files = record["paths"][0], record["files"]
-        states = []
-        for k in range(first["states"]):
-            name = f"{pieces_folder(SERIES).name}/{k:04d}_tiles.vtp"
-            if sha256(folder / name) != files[name]:
-                return None
-            states.append(read_polygons(folder / name)[0])
-        return frozen(np.array(states)), float(first["lambda"]), str(first["drive"])
-    except (KirisurfError, OSError, KeyError, IndexError, TypeError, ValueError):
-        return None
-
-
-def _key(run: Run) -> dict[str, str]:
-    return {name: run.result["files"][name] for name in _STATES}

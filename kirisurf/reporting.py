@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kirisurf.deploying import FIGURE, FOLDER, read_deployment
+from kirisurf.deployment_folder import FIGURE, FOLDER, read_deployment
 from kirisurf.errors import ParameterError
 from kirisurf.publishing import (
     PICTURES,

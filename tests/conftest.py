@@ -8,6 +8,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 from jaxtyping import install_import_hook
 
 
@@ -35,6 +36,12 @@ else:
 
 # Before the packages are loaded: every shape in a type hint is checked at every call of the test run.
 install_import_hook(["kirisurf", "analysis", "sample_surfaces", "viewers"], "beartype.beartype")
+
+# The same examples every time, however slow the machine is just then; `--hypothesis-profile default` looks for others.
+settings.register_profile(
+    "same", derandomize=True, database=None, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("same")
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -43,6 +43,7 @@ class Host:
         self._process: subprocess.Popen[bytes] | None = None
         self._waiting = b""
         self._closing = threading.Event()
+        self._ending = threading.Lock()
 
     def answer(self, order: Order) -> Answer:
         """Return how an order went; where the host itself is gone, another one tries once more.
@@ -59,6 +60,12 @@ class Host:
             except HostGoneError as found:
                 problem = found
                 self._end()
+            except Stopped:
+                # closed while the process was being started: nobody else knows of it
+                self._end()
+                raise
+        if self._closing.is_set():
+            raise Stopped
         return Answer(INTERNAL, f"crashed: {problem}", "crashed")
 
     def close(self) -> None:
@@ -82,20 +89,21 @@ class Host:
     def _started(self) -> subprocess.Popen[bytes]:
         if self._closing.is_set():
             raise Stopped
-        if self._process is None or self._process.poll() is not None:
+        process = self._process  # close() may take it away at any time
+        if process is None or process.poll() is not None:
             self._end()
             self._waiting = b""
             home = str(Path(__file__).resolve().parents[2])
-            self._process = subprocess.Popen(
+            process = self._process = subprocess.Popen(
                 [sys.executable, "-P", "-c", _BEGIN, home],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 env=_environment(self._threads),
                 start_new_session=True,
             )
-            if self._line(self._process, _START_SECONDS) != READY:
+            if self._line(process, _START_SECONDS) != READY:
                 raise HostGoneError("expected a process that is ready, got other words")
-        return self._process
+        return process
 
     def _line(self, process: subprocess.Popen[bytes], seconds: float) -> bytes:
         out = process.stdout
@@ -130,17 +138,18 @@ class Host:
         return f"expected the process that keeps the run to stay, got {how}"
 
     def _end(self) -> None:
-        process, self._process = self._process, None
-        if process is None:
-            return
-        process.kill()  # its child dies with it
-        process.wait()
-        for stream in (process.stdin, process.stdout):
-            if stream is not None:
-                try:
-                    stream.close()
-                except OSError:  # an order that was never taken
-                    continue
+        with self._ending:
+            process, self._process = self._process, None
+            if process is None:
+                return
+            process.kill()  # its child dies with it
+            process.wait()
+            for stream in (process.stdin, process.stdout):
+                if stream is not None:
+                    try:
+                        stream.close()
+                    except OSError:  # an order that was never taken
+                        continue
 
 
 def _environment(threads: int) -> Mapping[str, str]:

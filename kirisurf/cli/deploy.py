@@ -85,15 +85,8 @@ def add(commands: Any) -> None:
 
 def run(arguments: argparse.Namespace, output: Output) -> Outcome:
     """Run the command."""
-    from kirisurf.deploying import (
-        FIGURE,
-        RECORD,
-        checked_options,
-        deploy_with_collisions,
-        deployment_folder,
-        save_deployment,
-        torsion_of_run,
-    )
+    from kirisurf.deploying import checked_options, deploy_with_collisions, save_deployment, torsion_of_run
+    from kirisurf.deployment_folder import FIGURE, RECORD, deployment_folder
     from kirisurf.runs import read_run
 
     names = ("torsion", "steps", "drive", "trajectory", "thickness", "contact")

@@ -73,6 +73,7 @@ def test_a_hundred_thousand_faces_take_no_time() -> None:
     a, b, c, d = at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     points = np.stack([x.ravel(), y.ravel(), np.sin(x).ravel()], axis=1).astype(float)
-    start = time.perf_counter()
+    # seconds of this thread alone: whatever else the machine does has no part in them
+    start = time.thread_time()
     check_native(points, faces)
-    assert time.perf_counter() - start < 0.5
+    assert time.thread_time() - start < 0.5

@@ -215,6 +215,7 @@ def test_seventy_thousand_faces_take_no_time() -> None:
     import time
 
     surface = sheet(190, 190)
-    start = time.perf_counter()
+    # seconds of this thread alone: whatever else the machine does has no part in them
+    start = time.thread_time()
     assert examine(surface).is_disk
-    assert time.perf_counter() - start < 2.0
+    assert time.thread_time() - start < 2.0

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 import kirisurf
-from kirisurf.deploying import deploy_with_collisions, deployment_folder, save_deployment
+from kirisurf.deploying import deploy_with_collisions, save_deployment
+from kirisurf.deployment_folder import deployment_folder
 from kirisurf.reporting import report, run_parts
 from kirisurf.runs import Run
 from tests.viewers.report_page import Page

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import kirisurf
-from kirisurf.deploying import deploy_with_collisions, deployment_folder, read_way, save_deployment
+from kirisurf.deploying import deploy_with_collisions, save_deployment
+from kirisurf.deployment_folder import deployment_folder, read_way
 from kirisurf.runs import Run
 from viewers.way import Way
 from viewers.workbench.opening import opened_run

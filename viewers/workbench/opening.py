@@ -126,7 +126,7 @@ def open_any(name: str, **options: Any) -> tuple[State, Results]:
 
 def _way(run: Run) -> Way | None:
     """The way from flat to deployed, where it was computed."""
-    from kirisurf.deploying import read_way
+    from kirisurf.deployment_folder import read_way
 
     found = read_way(run)
     return None if found is None else Way(*found)

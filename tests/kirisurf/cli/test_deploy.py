@@ -16,6 +16,7 @@ from PIL import Image
 import kirisurf
 from kirisurf import cli, deploying
 from kirisurf.deployment import deploy_run
+from kirisurf.deployment_folder import read_deployment
 from kirisurf.deployment_tables import COLUMNS
 from kirisurf.formats import read_polygons
 from kirisurf.formats.source import load
@@ -129,7 +130,7 @@ def test_a_second_time_replaces_and_the_run_stays_as_it_was(disc: Path, capsys: 
     assert cli.main([*again, "--trajectory", "straight"]) in (0, 1)
     assert not (folder / "deployment.gif").exists()
     assert len(list((folder / "deployment_pvd").iterdir())) == 2 * 4
-    record = deploying.read_deployment(read_run(disc))
+    record = read_deployment(read_run(disc))
     assert record is not None and record["options"]["drive"] == "rim" and len(record["paths"]) == 1
     assert {entry.name: sha256(entry) for entry in disc.iterdir() if entry.is_file()} == before
     shutil.rmtree(folder)
@@ -140,15 +141,15 @@ def test_a_deployment_of_other_states_is_not_taken_for_the_runs(
 ) -> None:
     _, folder = answer
     run = read_run(disc)
-    assert deploying.read_deployment(run, folder) is not None
-    assert deploying.read_deployment(run, tmp_path) is None
+    assert read_deployment(run, folder) is not None
+    assert read_deployment(run, tmp_path) is None
     record = json.loads((folder / "deployment.json").read_text())
     record["key"]["deployed.obj"] = "0" * 64
     (tmp_path / "deployment.json").write_text(json.dumps(record))
-    assert deploying.read_deployment(run, tmp_path) is None
+    assert read_deployment(run, tmp_path) is None
     (tmp_path / "deployment.json").write_text("{")
     with pytest.raises(kirisurf.UnreadableError, match="expected the record of a deployment"):
-        deploying.read_deployment(run, tmp_path)
+        read_deployment(run, tmp_path)
 
 
 @pytest.mark.parametrize(

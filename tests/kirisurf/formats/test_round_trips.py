@@ -32,7 +32,9 @@ WRITERS = {"obj": lambda path, points, loops: write_obj(path, points, loops), "v
 
 
 @given(arrays.arrays(np.float64, (5, 3), elements=st.floats(allow_nan=False, allow_infinity=False)))
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 def test_obj_keeps_every_double(tmp_path: Path, points: np.ndarray) -> None:
     write_obj(tmp_path / "a.obj", points, LOOPS, ["a comment", "two\nlines"])
     vertices, loops = read_polygons(tmp_path / "a.obj")
