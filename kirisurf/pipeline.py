@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -146,12 +148,22 @@ def require_memory(spec: FitSpec) -> None:
     """
     each = len(find_cell(spec.tessellation).tiles) if spec.cells is not None else 1
     tiles = each * spec.cells[0] * spec.cells[1] if spec.cells is not None else spec.tiles or 0
-    try:
-        free = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):
-        return
-    if tiles * BYTES_PER_TILE > free:
+    free = _free_memory()
+    if free is not None and tiles * BYTES_PER_TILE > free:
         raise LimitError(
             f"memory: expected at most about {free // BYTES_PER_TILE} tiles for the {free / 1e9:.1f} GB that are free, "
             f"got {tiles}; ask for fewer (--tiles, --cells)"
         )
+
+
+def _free_memory() -> int | None:
+    """Bytes that a new program could have; None where the system does not say."""
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        # what Linux keeps of files it gives back: of the pages that are free, a machine that has run for long has few
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return 1024 * int(line.split()[1])
+    try:
+        return os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return None

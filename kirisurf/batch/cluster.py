@@ -8,6 +8,7 @@ the targets under the same paths, and have the same versions: both are asked bef
 from __future__ import annotations
 
 import atexit
+import contextlib
 import importlib.util
 import queue
 import uuid
@@ -63,7 +64,7 @@ def on_cluster(address: str, folder: Path) -> Engine:
     try:
         _check_workers(client, folder)
     except BaseException:
-        client.close(timeout=5)
+        _leave(client)
         raise
 
     def answers(orders: Sequence[Order]) -> Iterator[tuple[int, Answer]]:
@@ -78,24 +79,32 @@ def on_cluster(address: str, folder: Path) -> Engine:
             }
             try:
                 for future in as_completed(futures, loop=client.loop):
-                    problem = future.exception()
-                    if isinstance(problem, (CancelledError, OSError)):
-                        raise ClusterLostError(f"--scheduler: expected {address} to stay, got: {problem}")
-                    if problem is not None:
+                    try:
+                        # a worker may also be lost with an answer that nobody has fetched yet
+                        answer = Answer.of(future.result())
+                    except (CancelledError, OSError):
+                        raise
+                    except Exception as problem:
                         # the worker was lost with it again and again: it is this run that ends workers
                         words = f"crashed: expected a worker that answers, got {type(problem).__name__}"
-                        yield futures[future], Answer(INTERNAL, words, "crashed")
-                    else:
-                        yield futures[future], Answer.of(future.result())
+                        answer = Answer(INTERNAL, words, "crashed")
+                    yield futures[future], answer
                     future.release()
             except (CancelledError, OSError) as problem:
                 raise ClusterLostError(f"--scheduler: expected {address} to stay, got: {problem}") from None
             finally:
-                client.cancel(list(futures), force=True)
+                with contextlib.suppress(Exception):  # a scheduler that is gone has nothing to forget
+                    client.cancel(list(futures), force=True)
         finally:
-            client.close(timeout=5)
+            _leave(client)
 
     return answers
+
+
+def _leave(client: Any) -> None:
+    """Close a client; a scheduler that does not answer is no reason to lose what was made."""
+    with contextlib.suppress(Exception):
+        client.close(timeout=5)
 
 
 def _connected(address: str) -> Any:

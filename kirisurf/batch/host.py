@@ -142,7 +142,8 @@ def _judged(spoken: bytes, exit_code: int, said: tuple[str, ...], ended: str, or
     """How a child ended, from its answer, its exit and what ended it."""
     if spoken.endswith(b"\n"):
         answer = Answer.of(spoken)
-        if ended and answer.code in (INTERRUPTED, _LIMIT):
+        # asked to stop inside a library, that may come out as an error of its own
+        if ended and answer.code in (INTERRUPTED, _LIMIT, INTERNAL):
             return Answer(_LIMIT, f"time limit: expected an end within {order.seconds:g} s, got none", ended)
         if answer.code == _LIMIT and "memory" in answer.message:
             return replace(answer, end="memory limit")

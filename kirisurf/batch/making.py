@@ -14,7 +14,7 @@ from kirisurf.runs import RunFolder
 from kirisurf.spec import FitSpec
 from kirisurf.states import Step
 
-PATIENCE = 5.0
+PATIENCE = 20.0
 """Seconds that a process has to go that made this run before, whose batch, host or worker was lost."""
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -17,6 +18,9 @@ from kirisurf.errors import OutputError
 
 TEMPORARY = ".kirisurf-"
 """First letters of the names of files and folders that are not finished: what is left of a killed process."""
+
+_asking = threading.Lock()
+"""The mask of permissions is asked for by setting it: two threads that do so at once would leave none."""
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
@@ -81,8 +85,9 @@ def _copy_mode(target: Path, temporary: Path) -> None:
         if target.exists():
             os.chmod(temporary, target.stat().st_mode & 0o7777)
         else:
-            mask = os.umask(0)
-            os.umask(mask)
+            with _asking:
+                mask = os.umask(0)
+                os.umask(mask)
             os.chmod(temporary, 0o666 & ~mask)
 
 

@@ -27,6 +27,7 @@ class FolderLock:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._handle: int | None = None
+        self._was_missing = False
 
     def take(self, patience: float = 0.0) -> bool:
         """Take the lock; return False where another process has it.
@@ -46,12 +47,14 @@ class FolderLock:
         """
         if fcntl is None:
             return True
+        self._was_missing = False
         until = time.monotonic() + patience
         while True:
             try:
                 self._handle = os.open(self._path, os.O_RDONLY)
             except FileNotFoundError:
-                return True  # removed by whoever held it: see is_on_its_folder
+                self._was_missing = True  # removed by whoever held it: see is_on_its_folder
+                return True
             try:
                 fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -68,7 +71,8 @@ class FolderLock:
     def is_on_its_folder(self) -> bool:
         """Whether the folder of this name is still the one that was locked."""
         if self._handle is None:
-            return self._path.is_dir()
+            # where it was missing, another process may have made and locked it again since
+            return not self._was_missing and self._path.is_dir()
         try:
             return os.path.samestat(os.fstat(self._handle), os.stat(self._path))
         except FileNotFoundError:

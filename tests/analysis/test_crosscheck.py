@@ -45,7 +45,7 @@ def write(path: Path, points: np.ndarray, tiles: Loops | np.ndarray) -> Path:
 
 def audited(script: Path, *arguments: object) -> dict:
     done = subprocess.run(
-        [sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True, timeout=120, check=True
+        [sys.executable, str(script), *map(str, arguments)], capture_output=True, text=True, timeout=600, check=True
     )
     return json.loads(done.stdout)
 

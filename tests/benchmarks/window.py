@@ -152,7 +152,7 @@ def in_a_process(target: str, grid: int) -> dict[str, float]:
 
 def line(name: str, row: dict[str, float]) -> str:
     """One row of the table."""
-    cells = [f"{row[key]:.0f}" if key == "frame" else f"{row[key]:.2f}" for key in COLUMNS]
+    cells = [f"{row[key]:.1f}" if key == "frame" else f"{row[key]:.2f}" for key in COLUMNS]
     return "| " + " | ".join([name, *cells]) + " |"
 
 

@@ -162,10 +162,15 @@ def judgement(entry: Entry, ended: Ended, record: dict | None) -> Judged:
         faults.append("expected one sentence that names the file")
     if found != LOADS and record is not None:
         faults.append("refused, and yet there is a run")
-    others = sorted({line for line in ended.opened if entry.path.name not in line and "fontlist-" not in line})
+    others = sorted({line for line in ended.opened if entry.path.name not in line and not _is_about_fonts(line)})
     if others:
         faults.append(f"it did {others[0]}")
     return Judged(entry, ended, found, _sentence(ended, errors, record), tuple(faults))
+
+
+def _is_about_fonts(line: str) -> bool:
+    """Whether a file is Matplotlib's list of the system's fonts, or a font that it reads where it has no list yet."""
+    return "fontlist-" in line or line.lower().endswith((".ttf", ".otf", ".ttc", ".afm"))
 
 
 def _faults_of_record(ended: Ended, record: dict | None) -> Iterator[str]:

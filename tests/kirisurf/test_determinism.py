@@ -22,10 +22,13 @@ SMALL = [case for case in CASES if case != "large"]
 
 def _ran(folder: Path, cases: list[str], threads: int, seed: str, cores: set[int]) -> dict[str, object]:
     counts = {name: str(threads) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    # the child sets its cores itself: between fork and exec nothing is safe in a process with threads
+    start = (
+        f"import os, sys; os.sched_setaffinity(0, {cores}); os.execv(sys.executable, [sys.executable, *sys.argv[1:]])"
+    )
     child = subprocess.run(
-        [sys.executable, str(PROGRAM), str(folder), *cases],
+        [sys.executable, "-c", start, str(PROGRAM), str(folder), *cases],
         env={**os.environ, **counts, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)},
-        preexec_fn=lambda: os.sched_setaffinity(0, cores),
         capture_output=True,
         text=True,
         check=False,

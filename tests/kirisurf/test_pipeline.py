@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import igl
 import numpy as np
 import pytest
@@ -9,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 import sample_surfaces
 from analysis.certificate import certify
-from kirisurf.errors import ParameterError, UnusableError
-from kirisurf.pipeline import FitResult, fit_surface
+from kirisurf.errors import LimitError, ParameterError, UnusableError
+from kirisurf.pipeline import FitResult, fit_surface, require_memory
 from kirisurf.spec import FitSpec
 from kirisurf.status import Status
 from kirisurf.surface import Surface
@@ -190,3 +192,14 @@ def test_exact_says_why_it_does_not_succeed() -> None:
     )
     assert result.fit.status is not Status.CONVERGED
     assert any("--closeness best" in warning for warning in result.warnings)
+
+
+def test_a_pattern_that_does_not_fit_into_memory_is_refused_before_it_is_laid() -> None:
+    with pytest.raises(LimitError, match=r"expected at most about \d+ tiles .* got 36000000; ask for fewer"):
+        fit_surface(sample_surfaces.load("hypar"), FitSpec(target="hypar", cells=(3000, 3000)))
+
+
+@pytest.mark.skipif(not Path("/proc/meminfo").exists(), reason="memory that holds files was not tried: Linux only")
+def test_memory_that_holds_files_counts_as_free(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sysconf", lambda name: 1)  # as where a machine has run for long
+    require_memory(FitSpec(target="hypar", cells=(8, 8)))

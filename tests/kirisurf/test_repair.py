@@ -142,7 +142,7 @@ def test_a_child_that_fails_is_a_sentence(
     monkeypatch.setattr(repair, "_WORKER", worker)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: object())
     with pytest.raises(UnusableError, match=f"grid: expected repair to end with a surface, got: .*{message}"):
-        repaired(grid(4), seconds=1 if "sleep" in script else 20)
+        repaired(grid(4), seconds=1 if "sleep" in script else 60)
 
 
 @needs_meshlab

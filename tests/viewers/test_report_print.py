@@ -28,8 +28,10 @@ def browser(request: pytest.FixtureRequest) -> str:
 def printed(browser: str, page: Path, folder: Path) -> list[tuple[int, int]]:
     """Width and height in points of every sheet."""
     target = folder / "page.pdf"
-    options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}"]
-    command = [browser, *options, f"--print-to-pdf={target}", page.as_uri()]
+    # a container's shared memory may be too small for it
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
+    profile = f"--user-data-dir={folder / 'profile'}"
+    command = [browser, *options, profile, f"--print-to-pdf={target}", page.as_uri()]
     subprocess.run(command, check=True, capture_output=True, timeout=300)
     boxes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", target.read_bytes())
     return [(round(float(width)), round(float(height))) for width, height in boxes]

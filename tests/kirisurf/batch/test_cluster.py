@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import os
+import contextlib
+import json
 import signal
-import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,16 +28,20 @@ cells = ["1x1", "2x2"]
 
 
 class Cluster:
-    """A scheduler and its workers, each a process that can be killed."""
+    """A scheduler that answers, and its workers, each a process that can be killed."""
 
     def __init__(self, folder: Path, workers: int) -> None:
-        with socket.socket() as found:
-            found.bind(("127.0.0.1", 0))
-            port = found.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{port}"
         self._folder = folder
-        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
-        self.workers = [self.add_worker() for _ in range(workers)]
+        self.workers: list[subprocess.Popen[bytes]] = []
+        told = folder / "scheduler.json"
+        words = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(told))
+        self.scheduler = self._start("scheduler", *words)
+        try:
+            self.address = self._address(told)
+        except BaseException:
+            self.close()
+            raise
+        self.workers += [self.add_worker() for _ in range(workers)]
 
     def add_worker(self) -> subprocess.Popen[bytes]:
         words = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1", "--memory-limit", "0")
@@ -46,6 +51,16 @@ class Cluster:
         for process in (*self.workers, self.scheduler):
             process.kill()
             process.wait()
+
+    def _address(self, told: Path) -> str:
+        """Address that the scheduler writes into a file as soon as it listens."""
+        until = time.monotonic() + 120
+        while time.monotonic() < until and self.scheduler.poll() is None:
+            try:
+                return str(json.loads(told.read_text())["address"])
+            except (OSError, ValueError):  # not there, or half written
+                time.sleep(0.05)
+        raise AssertionError("the scheduler did not start")
 
     def _start(self, kind: str, *words: str) -> subprocess.Popen[bytes]:
         # the start script of the environment, without its name being looked for on a path
@@ -61,7 +76,8 @@ class Cluster:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
+def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cluster]:
+    monkeypatch.setattr(module, "PATIENCE", 120.0)  # its workers start meanwhile
     (tmp_path / "dask").mkdir()
     found = Cluster(tmp_path / "dask", 2)
     yield found
@@ -74,23 +90,35 @@ def batch(folder: Path, out: str, *words: str) -> int:
     return cli.main(["batch", str(folder / "batch.toml"), "-o", str(folder / out), "-q", *words])
 
 
+@contextlib.contextmanager
+def killed_once_runs_appear(process: subprocess.Popen[bytes], out: Path) -> Iterator[None]:
+    """Kill a process from another thread as soon as the batch in a folder has recorded a run."""
+    is_over = threading.Event()
+
+    def wait_and_kill() -> None:
+        while not list((out / "outcomes").glob("hypar*.json")):
+            if is_over.wait(0.02):
+                break
+        process.kill()
+
+    thread = threading.Thread(target=wait_and_kill)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
+
+
 @pytest.mark.slow
 def test_a_cluster_makes_the_same_bytes_also_where_a_worker_is_killed(cluster: Cluster, tmp_path: Path) -> None:
     assert batch(tmp_path, "serial", "--workers", "1") == 8
     assert batch(tmp_path, "cluster", "--scheduler", cluster.address) == 8
     assert differences(tmp_path / "serial", tmp_path / "cluster") == []
 
-    pid = os.fork()
-    if pid == 0:
-        # kills a worker once runs appear
-        until = time.monotonic() + 120
-        while time.monotonic() < until and not list((tmp_path / "killed" / "outcomes").glob("hypar*.json")):
-            time.sleep(0.02)
-        os.kill(cluster.workers[0].pid, signal.SIGKILL)
-        os._exit(0)
-    assert batch(tmp_path, "killed", "--scheduler", cluster.address) == 8
-    os.waitpid(pid, 0)
-    assert cluster.workers[0].wait(10) == -signal.SIGKILL
+    with killed_once_runs_appear(cluster.workers[0], tmp_path / "killed"):
+        assert batch(tmp_path, "killed", "--scheduler", cluster.address) == 8
+    assert cluster.workers[0].wait(60) == -signal.SIGKILL
     assert differences(tmp_path / "serial", tmp_path / "killed") == []
 
 
@@ -120,15 +148,9 @@ def test_a_scheduler_without_workers_is_said(
 
 @pytest.mark.slow
 def test_a_scheduler_that_goes_away_leaves_what_is_finished(cluster: Cluster, tmp_path: Path) -> None:
-    pid = os.fork()
-    if pid == 0:
-        until = time.monotonic() + 120
-        while time.monotonic() < until and not list((tmp_path / "out" / "outcomes").glob("hypar*.json")):
-            time.sleep(0.02)
-        os.kill(cluster.scheduler.pid, signal.SIGKILL)
-        os._exit(0)
-    assert batch(tmp_path, "out", "--scheduler", cluster.address) == 8
-    os.waitpid(pid, 0)
+    with killed_once_runs_appear(cluster.scheduler, tmp_path / "out"):
+        assert batch(tmp_path, "out", "--scheduler", cluster.address) == 8
+    assert cluster.scheduler.wait(60) == -signal.SIGKILL
     assert batch(tmp_path, "serial", "--workers", "1") == 8
     assert batch(tmp_path, "out") == 8
     assert differences(tmp_path / "serial", tmp_path / "out") == []

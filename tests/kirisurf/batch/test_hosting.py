@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
@@ -74,7 +75,7 @@ def test_a_poisonous_run_is_told_and_the_next_is_sound(
 
 
 def test_a_run_whose_time_is_over_saves_what_it_has(host: Host, tmp_path: Path) -> None:
-    answer = host.answer(order(tmp_path / "long", 4.0, tiles=20000, cells=None))
+    answer = host.answer(order(tmp_path / "long", 4.0, tiles=10000, cells=None))
     assert (answer.code, answer.end) == (6, "time limit")
     assert answer.seconds < 4.0 + 60.0
     if (tmp_path / "long" / "result.json").exists():
@@ -87,33 +88,37 @@ def test_where_the_batch_is_gone_so_are_its_processes(tmp_path: Path) -> None:
     host.answer(order(tmp_path / "first"))
     process = host._process
     assert process is not None and process.stdin is not None
-    process.stdin.write(order(tmp_path / "second", tiles=20000, cells=None).line())
+    process.stdin.write(order(tmp_path / "second", tiles=10000, cells=None).line())
     process.stdin.flush()
-    until = time.monotonic() + 20
+    until = time.monotonic() + 60
     while not (children := _children(process.pid)) and time.monotonic() < until:
         time.sleep(0.01)
     process.stdin.close()
-    process.wait(20)
+    process.wait(60)
     while any(_is_alive(child) for child in children) and time.monotonic() < until:
         time.sleep(0.01)
     assert children and not any(_is_alive(child) for child in children)
     host.close()
 
 
+@pytest.mark.usefixtures("poisoned")
 def test_a_host_that_is_killed_takes_its_run_with_it_and_is_replaced(tmp_path: Path) -> None:
     host = Host()
     host.answer(order(tmp_path / "first"))
     found: list[Answer] = []
-    thread = threading.Thread(target=lambda: found.append(host.answer(order(tmp_path / "second", cells=(6, 6)))))
+    thread = threading.Thread(target=lambda: found.append(host.answer(order(tmp_path / "patient"))))
     thread.start()
     process = host._process
     assert process is not None
-    until = time.monotonic() + 20
-    while not (children := _children(process.pid)) and time.monotonic() < until:
-        time.sleep(0.005)
+    until = time.monotonic() + 60
+    while not (tmp_path / "patient.pid").exists() and time.monotonic() < until:
+        time.sleep(0.01)
+    run = int((tmp_path / "patient.pid").read_text())
+    assert run in _children(process.pid)
     os.kill(process.pid, signal.SIGKILL)
-    thread.join(120)
-    assert children and found and found[0].code == 0, found
+    thread.join(180)
+    assert found and found[0].code == 0, found
+    assert not _is_alive(run) and record(tmp_path / "patient")["certified"] is True
     host.close()
 
 
@@ -124,7 +129,7 @@ def test_a_host_that_is_closed_stops_waiting(tmp_path: Path) -> None:
 
     def ask() -> None:
         try:
-            found.append(host.answer(order(tmp_path / "long", tiles=20000, cells=None)))
+            found.append(host.answer(order(tmp_path / "long", tiles=10000, cells=None)))
         except Stopped:
             found.append("stopped")
 
@@ -132,14 +137,34 @@ def test_a_host_that_is_closed_stops_waiting(tmp_path: Path) -> None:
     thread.start()
     time.sleep(0.5)
     host.close()
-    thread.join(20)
+    thread.join(60)
     assert found == ["stopped"]
     assert not (tmp_path / "long" / "result.json").exists()
 
 
+@pytest.mark.parametrize("pause", [0.0, 0.002, 0.02, 0.2])
+def test_a_host_that_is_closed_while_it_starts_leaves_no_process(tmp_path: Path, pause: float) -> None:
+    host, ended = Host(), threading.Event()
+
+    def ask() -> None:
+        with contextlib.suppress(Stopped):
+            host.answer(order(tmp_path / "run"))
+        ended.set()
+
+    before = set(_children(os.getpid()))
+    threading.Thread(target=ask).start()
+    time.sleep(pause)
+    host.close()
+    assert ended.wait(60) and host._process is None
+    assert not [child for child in set(_children(os.getpid())) - before if _is_alive(child)]
+
+
 def _children(process: int) -> list[int]:
-    path = Path(f"/proc/{process}/task/{process}/children")
-    return [int(word) for word in path.read_text().split()] if path.exists() else []
+    found: list[int] = []
+    for path in Path(f"/proc/{process}/task").glob("*/children"):
+        with contextlib.suppress(OSError):  # a thread that has just ended
+            found += [int(word) for word in path.read_text().split()]
+    return found
 
 
 def _is_alive(process: int) -> bool:

@@ -32,6 +32,12 @@ if any("kirisurf.batch" in word for word in getattr(sys, "orig_argv", ())):
         if "killer" in name:
             os.kill(os.getppid(), signal.SIGKILL)
             time.sleep(60)
+        if "patient" in name and not os.path.exists(order.folder + ".pid"):
+            # the first time only
+            with open(order.folder + ".half", "w") as file:
+                file.write(str(os.getpid()))
+            os.rename(order.folder + ".half", order.folder + ".pid")
+            time.sleep(600)
         if "midway" in name:
             # after the folder was made, before anything was saved in it
             making.execute = lambda *parts, **options: os.kill(os.getpid(), signal.SIGKILL)

@@ -47,7 +47,7 @@ def test_poison_is_recorded_and_the_rest_is_as_if_alone(tmp_path: Path, capfd: p
     items += (
         '[[items]]\ntarget = "./junk.obj"\n[[items]]\ntarget = "nothing"\n[[items]]\ntarget = "hypar"\ntolerance = 7\n'
     )
-    (tmp_path / "batch.toml").write_text(f"[limits]\nseconds = 10\nmemory_mb = 600\n{items}")
+    (tmp_path / "batch.toml").write_text(f"[limits]\nseconds = 20\nmemory_mb = 600\n{items}")
     paths = os.pathsep.join(filter(None, [str(tmp_path / "poison"), os.environ.get("PYTHONPATH")]))
     environment = {**os.environ, "PYTHONPATH": paths}
     words = ["batch", str(tmp_path / "batch.toml"), "-o", str(tmp_path / "out"), "--json"]

@@ -175,7 +175,7 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
     )
     assert child.stdout is not None and child.stderr is not None
     child.stdout.close()
-    assert child.wait(timeout=60) == 0
+    assert child.wait(timeout=300) == 0
     assert child.stderr.read() == b""
     child.stderr.close()
 

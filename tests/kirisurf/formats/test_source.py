@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,13 @@ def test_polygons_come_from_obj_and_vtp_only(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text("v 0 0 0\n")
     with pytest.raises(UnusableError, match="without any"):
         read_polygons(tmp_path / "a.obj")
+
+
+def test_a_small_file_takes_little_memory(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(OBJ)
+    tracemalloc.start()
+    try:
+        assert load(tmp_path / "a.obj").content == OBJ.encode()
+        assert tracemalloc.get_traced_memory()[1] < 10**6
+    finally:
+        tracemalloc.stop()

@@ -103,10 +103,10 @@ def test_a_child_that_hangs_is_killed_on_time(tmp_path: Path) -> None:
 def test_a_child_that_dies_is_told_from_one_that_answers(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
-    assert child.run(script, [], 20, 100).death == "death by SIGSEGV"
+    assert child.run(script, [], 60, 100).death == "death by SIGSEGV"
     script.write_text("import sys; print('noise'); print('{\"memory\": %s}' % sys.argv[1])")
-    ended = child.run(script, [], 20, 100)
+    ended = child.run(script, [], 60, 100)
     assert ended.answer == {"memory": 100} and not ended.death
     script.write_text("raise RuntimeError('the reason')")
-    ended = child.run(script, [], 20, 100)
+    ended = child.run(script, [], 60, 100)
     assert ended.answer == {} and "the reason" in ended.complaint

@@ -16,7 +16,7 @@ def test_every_task_is_done_once(size, n):
 
 
 def test_two_work_at_the_same_time():
-    meeting = threading.Barrier(2, timeout=20)
+    meeting = threading.Barrier(2, timeout=120)
     with Team(2) as team:
         team.run([meeting.wait, meeting.wait])
 

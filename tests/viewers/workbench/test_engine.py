@@ -196,7 +196,7 @@ def dies(connection, stop, began):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def until(engine, kind, seconds=90.0):
+def until(engine, kind, seconds=240.0):
     """Return all events up to the first of a kind."""
     heard, end = [], time.monotonic() + seconds
     while not any(isinstance(event, kind) for event in heard):
@@ -206,7 +206,7 @@ def until(engine, kind, seconds=90.0):
 
 
 def test_a_process_computes_gives_way_and_is_cancelled(spec):
-    fine = FitSpec(target="hypar", cells=(10, 10))
+    fine = FitSpec(target="hypar", cells=(20, 20))  # far from its end when its first step is heard
     with Engine() as engine:
         engine.start(fine)
         until(engine, Stepped)

@@ -200,10 +200,15 @@ def show_value(option: Option, editor: Any, value: Any) -> None:
             editor.setCurrentIndex(editor.count() - 1)
     elif option.kind == "pair":
         for side, count in zip(editor.sides, value or (), strict=False):
-            side.setValue(count)
-    elif value is None or isinstance(value, str):
-        editor.setValue(editor.minimum())
+            _show_number(side, count)
     else:
-        editor.setValue(value)
+        _show_number(editor, editor.minimum() if value is None or isinstance(value, str) else value)
     for widget in inner:
         widget.blockSignals(False)
+
+
+def _show_number(editor: Any, value: float | int) -> None:
+    """Show a number where there is another: a report of a fit takes nothing from what is just being typed."""
+    shown = round(value, editor.decimals()) if hasattr(editor, "decimals") else value
+    if editor.value() != shown:
+        editor.setValue(value)

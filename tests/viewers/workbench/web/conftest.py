@@ -106,7 +106,7 @@ def visit(request, state, fitted, engine) -> Callable[[Callable[[Visit], Awaitab
         finally:
             server.end.set()
             with contextlib.suppress(asyncio.CancelledError):
-                await asyncio.wait_for(serving, 30)
+                await asyncio.wait_for(serving, 120)
         assert engine.closed
 
     return lambda act: asyncio.run(around(act))

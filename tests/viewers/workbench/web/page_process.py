@@ -34,7 +34,7 @@ class PageProcess:
         """Send Ctrl-C, and return exit code, standard output and the rest of standard error."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
-        out, err = self.process.communicate(timeout=60)
+        out, err = self.process.communicate(timeout=120)
         return self.process.returncode, out, err
 
     def __enter__(self) -> PageProcess:

@@ -32,7 +32,7 @@ def chromium(request, opengl):
         pytest.skip(f"{name} did not run: there is no Chromium; on Debian or Ubuntu: apt-get install chromium")
     playwright = pytest.importorskip("playwright.sync_api", reason=f"{name} did not run: pip install playwright")
     with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"], timeout=120_000)
         yield browser
         browser.close()
 
@@ -68,12 +68,18 @@ def test_from_a_mesh_file_to_a_cut_file(chromium, tmp_path):
     (tmp_path / "broken.stl").write_text("solid nothing\nfacet normal 0 0\n", "utf-8")
     with page_process.PageProcess("paraboloid", "--cells", "3x3") as served:
         context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+        context.set_default_timeout(WAIT)
         page = context.new_page()
         defects, elsewhere = [], []
         page.on("pageerror", lambda problem: defects.append(str(problem)))
         page.on("request", lambda asked: elsewhere.append(asked.url))
         page.goto(served.address)
+        page.focus("#option-min_angle")
+        page.keyboard.press("Control+A")
+        page.keyboard.type("4")
         fitted(page, "Certified, 36 tiles")
+        assert page.input_value("#option-min_angle") == "4", "reports of a fit take nothing from what is being typed"
+        page.keyboard.press("Enter")
 
         page.set_input_files("#file", tmp_path / "roof.obj")
         page.wait_for_function("document.querySelector('#sample').value === ''", timeout=WAIT)
@@ -88,8 +94,12 @@ def test_from_a_mesh_file_to_a_cut_file(chromium, tmp_path):
         box = page.locator("#canvas").bounding_box()
         # the opened sheet is as much hole as tile: somewhere on it a hole is hit
         for k in range(12):
+            before = images(page)
             page.mouse.click(box["x"] + (0.70 + 0.01 * k) * box["width"], box["y"] + 0.5 * box["height"])
-            page.wait_for_timeout(150)
+            page.wait_for_function(
+                "(before) => Number(document.querySelector('#canvas').dataset.images) > before", arg=before
+            )
+            settle(page)
             if page.inner_text("#picked-title").startswith("Hole"):
                 break
         assert re.fullmatch(r"Hole \d+", page.inner_text("#picked-title"))

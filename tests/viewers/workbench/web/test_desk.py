@@ -106,9 +106,9 @@ def test_who_waits_for_a_file_is_told_where_it_cannot_be_written(session, event)
             session.engine.reports.append(event)
 
         with pytest.raises(ParameterError, match=r"disk is full|engine ended"):
-            await asyncio.wait_for(desk.written(Path("/nowhere/x.svg"), lambda: report(event)), 10)
+            await asyncio.wait_for(desk.written(Path("/nowhere/x.svg"), lambda: report(event)), 60)
         written = desk.written(Path("/nowhere/y.svg"), lambda: report(Written("/nowhere/y.svg")))
-        found = await asyncio.wait_for(written, 10)
+        found = await asyncio.wait_for(written, 60)
         assert found == Path("/nowhere/y.svg") and session.results.said == ""
         waiting = asyncio.create_task(desk.written(Path("/nowhere/z.svg"), lambda: None))
         await asyncio.sleep(0)

@@ -156,7 +156,7 @@ def test_a_browser_gets_images_as_it_shows_them_and_picks(visit, opengl):
             async def images(count):
                 found = []
                 while len(found) < count:
-                    message = await ws.receive(timeout=30)
+                    message = await ws.receive(timeout=120)
                     assert message.type in (aiohttp.WSMsgType.BINARY, aiohttp.WSMsgType.TEXT)
                     if message.type is aiohttp.WSMsgType.BINARY:
                         found.append(message.data)
@@ -179,7 +179,7 @@ def test_a_browser_gets_images_as_it_shows_them_and_picks(visit, opengl):
                 at.address.replace("http", "ws") + "pictures", headers={"Origin": at.origin}
             ) as ws:
                 await ws.send_str(nonsense)
-                assert (await ws.receive(timeout=10)).type is aiohttp.WSMsgType.CLOSE
+                assert (await ws.receive(timeout=120)).type is aiohttp.WSMsgType.CLOSE
         assert (await at.get("?secret=x"))[0] == 200
 
     visit(act)

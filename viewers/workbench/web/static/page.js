@@ -289,8 +289,22 @@
       ]),
   };
 
+  /* The value of a field to type in: a report of a fit takes nothing from what is just being typed, and a value that was
+     refused does not stay. */
+
+  const shown = (value) => (value === null || value === undefined ? "" : String(value));
+  const Given = {
+    mounted: (field, { value }) => { field.value = shown(value); },
+    updated: (field, { value, oldValue }) => {
+      if (shown(value) !== shown(oldValue) || (field !== document.activeElement && field.value !== shown(value))) {
+        field.value = shown(value);
+      }
+    },
+  };
+
   window.kirisurf_page = {
     install(app) {
+      app.directive("given", Given);
       app.component("kirisurf-pictures", Pictures);
       app.component("kirisurf-curves", Curves);
       app.component("kirisurf-icon", Icon);
