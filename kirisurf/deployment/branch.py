@@ -27,8 +27,8 @@ STRAIGHT = 0.95
 MOST_STATES = 120
 """States of a branch at most."""
 
-MOST_IN_ALL = 600
-"""States of all branches of a path at most, the highest jumps first: they bound what a path takes."""
+MOST_IN_ALL = 400
+"""States of all branches of a path at most: about as much work again as to follow it."""
 
 BACK = 0.25
 """Part of the shape's opening by which a branch may turn back behind its beginning."""
@@ -80,6 +80,11 @@ class Branch:
     def folds(self) -> tuple[int, ...]:
         """Numbers of the states behind which the opening turns back."""
         return tuple(k for k, (one, two) in enumerate(pairwise(self.states)) if one.rises != two.rises)
+
+    @property
+    def first_turn(self) -> int:
+        """How many states there are before the opening first turns back."""
+        return 1 + (self.folds or (len(self.states) - 1,))[0]
 
     @property
     def crossings(self) -> tuple[int, ...]:
@@ -191,26 +196,23 @@ def jump_branches(
     most_in_all: int = MOST_IN_ALL,
     should_stop: ShouldStop | None = None,
 ) -> tuple[Branch, ...]:
-    """Follow the curve of equilibria at the jumps of a free path in the plane, on from the state before and back from
-    the one behind; the highest jumps first, until `most_in_all` states were found.
+    """Follow the curve of equilibria at the jumps of a free path in the plane.
 
-    Other paths have none: there the load is not one on the opening.
+    Until `most_in_all` states are found: on from the states before, where most saddles are, the highest first, then
+    back from the ones behind. Other paths have no branches: there the load is not one on the opening.
     """
     if path.drive != "free" or energy.dimension != 2 or path.status is not PathStatus.JUMPED:
         return ()
     rows = sorted(jumps(energy, guide, path).tolist(), key=lambda row: -float(path.energies[row : row + 2].max()))
-    openings = [mean_opening(energy, points) for points in path.points]
     branches: list[Branch] = []
     left = most_in_all
-    for row in rows:
-        for begin, beyond in ((row, row + 1), (row + 1, row)):
-            if left < 2 or (should_stop is not None and should_stop()):
-                return tuple(branches)
-            opens = begin < beyond
-            count = min(most, left)
-            branch = follow_branch(
-                energy, guide, path.points[begin], opens, openings[beyond], count, should_stop=should_stop
-            )
-            branches.append(branch)
-            left -= len(branch.states)
+    for begin, beyond in [(row, row + 1) for row in rows] + [(row + 1, row) for row in rows]:
+        if left < 2 or (should_stop is not None and should_stop()):
+            break
+        goal, count = mean_opening(energy, path.points[beyond]), min(most, left)
+        branch = follow_branch(
+            energy, guide, path.points[begin], begin < beyond, goal, count, should_stop=should_stop
+        )
+        branches.append(branch)
+        left -= len(branch.states)
     return tuple(branches)

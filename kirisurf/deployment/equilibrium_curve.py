@@ -10,7 +10,15 @@ from scipy.optimize import brentq
 
 from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.equilibrium import LEAST_SHIFT, REUSED, STILL, TOLERANCE
+from kirisurf.deployment.equilibrium import (
+    FIRST_SHIFT,
+    INVERSE_STEPS,
+    LEAST_SHIFT,
+    MOST_SHIFT,
+    REUSED,
+    STILL,
+    TOLERANCE,
+)
 from kirisurf.deployment.factor import Factor, Factors
 from kirisurf.deployment.loading import Loaded, Loading, loaded, mean_opening
 from kirisurf.errors import UnusableError
@@ -158,6 +166,25 @@ class EquilibriumCurve:
         found = self._corrected(nearest.points @ self._axes, 0.0, None, 0.1 * length * self._root)
         return None if found is None else self._measured(*found, before.direction, 1.0)
 
+    def falling(self, state: Balance) -> Float[np.ndarray, "n d"] | None:
+        """Return the direction (largest component 1) in which the energy falls fastest from a saddle, None if none."""
+        here, shift = self._loaded(state.points @ self._axes, state.force), LEAST_SHIFT
+        factor = self._factored(here, shift)
+        if factor.n_negative <= 0:
+            return None
+        while factor.n_negative != 0:
+            shift = max(4 * shift, FIRST_SHIFT)
+            if shift > MOST_SHIFT:
+                return None
+            factor = self._factored(here, shift)
+        mode = np.random.default_rng(0).standard_normal(int(self._free.sum()))
+        for _ in range(INVERSE_STEPS):
+            mode = factor.solve(mode)
+            mode /= np.linalg.norm(mode)
+        field = np.zeros(state.points.shape)
+        field[self._free] = mode / np.abs(mode).max()
+        return field @ self._axes.T
+
     def _corrected(
         self, inside: np.ndarray, force: float, direction: np.ndarray | None, most: float
     ) -> tuple[np.ndarray, float] | None:
@@ -222,6 +249,6 @@ class EquilibriumCurve:
     def _of(self, field: np.ndarray | None) -> np.ndarray:
         return np.zeros(0) if field is None else field[self._free]
 
-    def _factored(self, here: Loaded) -> Factor:
+    def _factored(self, here: Loaded, shift: float = LEAST_SHIFT) -> Factor:
         entries = self._stiffness.numbers(here.bends) * (self.energy.length / self.energy.unit_force)
-        return self._factors.of(self._stiffness.matrix(entries, LEAST_SHIFT))
+        return self._factors.of(self._stiffness.matrix(entries, shift))
