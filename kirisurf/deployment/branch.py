@@ -210,9 +210,7 @@ def jump_branches(
         if left < 2 or (should_stop is not None and should_stop()):
             break
         goal, count = mean_opening(energy, path.points[beyond]), min(most, left)
-        branch = follow_branch(
-            energy, guide, path.points[begin], begin < beyond, goal, count, should_stop=should_stop
-        )
+        branch = follow_branch(energy, guide, path.points[begin], begin < beyond, goal, count, should_stop=should_stop)
         branches.append(branch)
         left -= len(branch.states)
     return tuple(branches)

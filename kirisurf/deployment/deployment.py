@@ -13,12 +13,7 @@ from kirisurf.arrays import checked
 from kirisurf.deployment.branch import Branch, jump_branches
 from kirisurf.deployment.drive import checked_trajectory, driven_vertices, usual_trajectory
 from kirisurf.deployment.energy import Energy, checked_torsion
-from kirisurf.deployment.following import (
-    follow_free_planar,
-    follow_held,
-    follow_rigid,
-    follow_supported,
-)
+from kirisurf.deployment.following import follow_free_planar, follow_held, follow_rigid, follow_supported
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.kinematics import n_mechanisms
 from kirisurf.deployment.loading import mean_opening

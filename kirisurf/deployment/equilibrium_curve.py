@@ -71,16 +71,15 @@ class Balance:
 
 
 class EquilibriumCurve:
-    """Newton's method for states x and forces m together, on the equations
+    """Newton's method for a state x and its force m together.
 
     ::
 
         grad E(x) = m grad s(x),    (x - foreseen) . direction = 0
 
-    with s the mean opening. They are regular where the curve turns back in the opening and where the stiffness is
-    singular, at a top of the force; only where two curves cross they are not. The length of an arc is measured in x
-    alone, as the root mean square over the vertices in tile edges: along the curve x never stands still while m moves,
-    since the opening always has a slope.
+    With s the mean opening, these equations are regular where the curve turns back in the opening, and where the
+    stiffness is singular; only where curves cross they are not. Arcs are measured in x alone, as the root mean square
+    over the vertices in tile edges: x never stands still along the curve, since the opening always has a slope.
 
     Parameters
     ----------
@@ -119,9 +118,7 @@ class EquilibriumCurve:
             raise UnusableError(f"state: expected one in equilibrium under a load on its mean opening, got {rest}")
         return found
 
-    def after(
-        self, before: Balance, length: float, bend: Float[np.ndarray, " q"] | None = None
-    ) -> Balance | None:
+    def after(self, before: Balance, length: float, bend: Float[np.ndarray, " q"] | None = None) -> Balance | None:
         """Return the state at a length of arc behind another, None where there is none near the foreseen one.
 
         Parameters

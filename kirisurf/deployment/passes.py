@@ -70,7 +70,7 @@ def _sides(energy: Energy, guide: Guide, saddle: Balance, minima: Sequence[Minim
     if mode is None:
         return set()
     minimizer = Minimizer(energy, pins=pins, toward=guide.deployed - guide.flat)
-    reached = set()
+    reached: set[int] = set()
     for sign in (-PUSH, PUSH):
         rest = rest_from(minimizer, guide, saddle.points + sign * energy.length * mode, highest)
         if rest is None:

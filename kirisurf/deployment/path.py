@@ -135,7 +135,7 @@ def measured_path(
 
 
 def jumps(energy: Energy, guide: Guide, path: Path) -> Int[np.ndarray, " _"]:
-    """Return the numbers of the states behind which the sheet snaps: the next one is far, and no smooth way leads to it."""
+    """Return the numbers of the states behind which the sheet snaps: no smooth way leads to the next one."""
     return np.flatnonzero(_is_far(energy, guide, path.fractions, path.moves[1:]))
 
 

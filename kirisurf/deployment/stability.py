@@ -73,7 +73,9 @@ def find_minima(
     leads = mean_opening(energy, path.points[-1]) >= LEADS * mean_opening(energy, guide.deployed)
     if energy.torsion == 0 and values.max() <= STRAINLESS and leads:
         # it rests wherever it is left
-        return tuple(minimum_of(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False)))
+        return tuple(
+            minimum_of(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False))
+        )
     inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
     evenly = np.linspace(0, len(values) - 1, RELEASES + 2).round().astype(int)
     known = [state.points for branch in branches for state in branch.stationary if state.n_negative == 0]
@@ -100,8 +102,8 @@ def find_barriers(
 
     On the free path of a planar sheet it is then moved to where the load on the opening vanishes, which is a saddle.
     Where the path jumps, the lowest saddle on its branches takes its place from which the sheet, let go on both sides,
-    comes to rest in the two minima. Where nothing costs energy along the path there are none, and none are known where it
-    does not come near both, and no branch has such a saddle.
+    comes to rest in the two minima. Where nothing costs energy along the path there are none, and none are known where
+    it does not come near both and no branch has such a saddle.
     """
     if path.energies.max(initial=0.0) <= STRAINLESS:
         return ()
