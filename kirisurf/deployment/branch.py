@@ -28,7 +28,7 @@ MOST_STATES = 120
 """States of a branch at most."""
 
 MOST_IN_ALL = 400
-"""States of all branches of a path at most: about as much work again as to follow it."""
+"""States of all branches of a path at most; three to six of them take as long as a state of the path."""
 
 BACK = 0.25
 """Part of the shape's opening by which a branch may turn back behind its beginning."""
