@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from kirisurf.deployment import Deployment, Kind, Path
+from kirisurf.deployment.loading import mean_opening
 from kirisurf.deployment.path import FAR
 from kirisurf.deployment_tables import opening_shares, real_barriers, transition_lambda
 from kirisurf.exporting_deployment import in_space
@@ -76,7 +77,9 @@ def _curve(viewer: Any, deployment: Deployment, k: int, met: PathCollisions) -> 
         contact = tuple(float(np.interp(at, path.fractions, values)) for values in (places, path.energies))
     followed = _followed(deployment, path)
     words, ends = verdict.kind.value, float(opened[-1])
-    return viewer.Curve(path.torsion, places, path.energies, rests, tops, contact, words, followed, ends)
+    last = mean_opening(deployment.energy, deployment.guide.deployed)
+    branches = tuple((branch.openings / last, branch.energies) for branch in deployment.branches[k])
+    return viewer.Curve(path.torsion, places, path.energies, rests, tops, contact, words, followed, ends, branches)
 
 
 def _followed(deployment: Deployment, path: Path) -> Bool[np.ndarray, " _"]:

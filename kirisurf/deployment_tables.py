@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from kirisurf.deployment import Barrier, Deployment, Minimum, Path, Verdict, torsion_of_ligament
+from kirisurf.deployment import Barrier, Branch, Deployment, Minimum, Path, Verdict, torsion_of_ligament
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.loading import mean_opening
 from kirisurf.deployment.path import STRAINLESS
@@ -71,8 +71,10 @@ def deployment_record(deployment: Deployment, collisions: Sequence[PathCollision
     """Return what a deployment found, without its states."""
     energy = deployment.energy
     paths = [
-        _path_record(deployment, path, verdict, met)
-        for path, verdict, met in zip(deployment.paths, deployment.verdicts, collisions, strict=True)
+        {**_path_record(deployment, path, verdict, met), "branches": [_branch(deployment, one) for one in branches]}
+        for path, verdict, met, branches in zip(
+            deployment.paths, deployment.verdicts, collisions, deployment.branches, strict=True
+        )
     ]
     return {
         "dimension": energy.dimension,
@@ -172,3 +174,22 @@ def _minimum(minimum: Minimum) -> dict[str, Any]:
 def _barrier(barrier: Barrier) -> dict[str, Any]:
     heights = {"to_open": barrier.opening, "to_close": barrier.closing}
     return {"fraction": barrier.fraction, "energy": barrier.energy, **heights, "is_saddle": barrier.is_saddle}
+
+
+def _branch(deployment: Deployment, branch: Branch) -> dict[str, Any]:
+    """Return what a branch at a jump is, openings over that of the deployed sheet."""
+    last = mean_opening(deployment.energy, deployment.guide.deployed)
+    return {
+        "fraction": branch.openings[0] / last,
+        "fraction_end": branch.openings[-1] / last,
+        "end": branch.end.name,
+        "end_sentence": branch.end.value,
+        "states": len(branch.states),
+        "newton_steps": branch.steps,
+        "folds": len(branch.folds),
+        "crossings": len(branch.crossings),
+        "stationary": [
+            {"fraction": state.opening / last, "energy": state.energy, "falling_directions": state.n_negative}
+            for state in branch.stationary
+        ],
+    }

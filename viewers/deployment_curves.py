@@ -23,7 +23,7 @@ ROOM = 0.125
 NOTHING = 1e-12
 """Energy up to which a curve is drawn as zero."""
 
-_NEAR, _BELOW = 0.005, 0.08
+_NEAR, _BELOW, _THIN = 0.005, 0.08, 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +48,8 @@ class Curve:
         Whether a smooth way leads from one state to the next, both in equilibrium; by default it does everywhere.
     ends : float
         Mean opening of the last state over that of the deployed sheet.
+    branches : tuple of (places, energies)
+        Equilibria past the jumps, most of which no opening holds.
     """
 
     torsion: float
@@ -59,6 +61,7 @@ class Curve:
     words: str
     followed: Bool[np.ndarray, " _"] | None = None
     ends: float = 1.0
+    branches: tuple[tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]], ...] = ()
 
     @property
     def is_smooth(self) -> bool:
@@ -88,6 +91,8 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], numbers: Sequence[int], sho
     for curve, k in zip(curves, numbers, strict=True):
         color = theme.SERIES[k % len(theme.SERIES)]
         axes.plot(curve.places, curve.energies, ":", color=color, linewidth=1.2)
+        for places, energies in curve.branches:
+            axes.plot(places, energies, color=color, linewidth=_THIN, alpha=0.75, zorder=1.5)
         for piece in _pieces(curve):
             axes.plot(curve.places[piece], curve.energies[piece], color=color, linewidth=1.8, solid_capstyle="round")
         for marks, marker, size in ((curve.rests, "o", 8.0), (curve.tops, "^", 8.5)):
@@ -132,6 +137,9 @@ def draw_legend(
     if not all(curve.is_smooth for curve in curves):
         dots.append(Line2D([], [], linestyle=":", linewidth=1.2, color=theme.MUTED))
         marks.append((":", "jumps, or is not in equilibrium"))
+    if any(curve.branches for curve in curves):
+        dots.append(Line2D([], [], linewidth=_THIN, color=theme.MUTED))
+        marks.append(("-", "equilibria past the jumps"))
     corner = (sides[1], height)
     figure.legend(dots, [words for _, words in marks], loc="upper right", bbox_to_anchor=corner, **common)
 

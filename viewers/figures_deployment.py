@@ -69,7 +69,8 @@ def deployment_figure(
     from matplotlib.figure import Figure
 
     groups = _groups(curves)
-    legend = 0.22 * max(len(curves) + (transition is not None), 3) + 0.12
+    marks = 5 if any(curve.branches for curve in curves) else 3
+    legend = 0.22 * max(len(curves) + (transition is not None), marks) + 0.12
     tall = _strip_height(sheet, len(rows))
     height = _HEAD + tall + len(groups) * _PANEL + _FOOT + legend
     with matplotlib.rc_context(_STYLE):

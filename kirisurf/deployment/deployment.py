@@ -10,14 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirisurf.arrays import checked
+from kirisurf.deployment.branch import Branch, jump_branches
 from kirisurf.deployment.drive import checked_trajectory, driven_vertices, usual_trajectory
 from kirisurf.deployment.energy import Energy, checked_torsion
-from kirisurf.deployment.following import (
-    follow_free_planar,
-    follow_held,
-    follow_rigid,
-    follow_supported,
-)
+from kirisurf.deployment.following import follow_free_planar, follow_held, follow_rigid, follow_supported
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.kinematics import n_mechanisms
 from kirisurf.deployment.loading import mean_opening
@@ -56,6 +52,8 @@ class Deployment:
         The free path without torsion: whether rigid tiles lead to the shape, and if not, what strain it takes.
     verdicts : tuple of Verdict
         One for every path.
+    branches : tuple of tuple of Branch
+        For every path the equilibria at its jumps, on from the state before and back from the one behind.
     mechanisms : (flat, deployed)
         Motions of first order that strain no tile, at both ends.
     transition : float or None
@@ -70,6 +68,7 @@ class Deployment:
     paths: tuple[Path, ...]
     still: Path
     verdicts: tuple[Verdict, ...]
+    branches: tuple[tuple[Branch, ...], ...]
     mechanisms: tuple[int, int]
     transition: float | None
     trajectory: str
@@ -191,15 +190,19 @@ def deploy(
         is_cut = still.status is PathStatus.INTERRUPTED
         paths.append(replace(path, status=PathStatus.INTERRUPTED) if is_cut else path)
     mechanisms = n_mechanisms(energy, guide.flat), n_mechanisms(energy, guide.deployed)
+    stiffened = [energy.with_torsion(value) for value in values]
+    branches = [
+        jump_branches(stiff, guide, path, should_stop=should_stop) for stiff, path in zip(stiffened, paths, strict=True)
+    ]
     verdicts = tuple(
-        judge(energy.with_torsion(value), guide, path, still, mechanisms[1], admissible, should_stop)
-        for value, path in zip(values, paths, strict=True)
+        judge(stiff, guide, path, still, mechanisms[1], admissible, should_stop, arms)
+        for stiff, path, arms in zip(stiffened, paths, branches, strict=True)
     )
     transition = None
     if not any(verdict.kind is Kind.UNKNOWN for verdict in verdicts):
         least = RIGID_TORSION if verdicts[0].rigid else LEAST_TORSION
         transition = transition_torsion(energy, guide, least, should_stop=should_stop)
-    return Deployment(energy, guide, tuple(paths), still, verdicts, mechanisms, transition, trajectory)
+    return Deployment(energy, guide, tuple(paths), still, verdicts, tuple(branches), mechanisms, transition, trajectory)
 
 
 def deploy_run(run: Run, **options: object) -> Deployment:

@@ -38,10 +38,13 @@ class Loading:
     opening : float, optional
         Mean opening in radians that a spring of stiffness `STIFFNESS` asks for.
     anchor : Anchor, optional
+    force : float, optional
+        Instead of the spring a force that does not change: energy per radian of the mean opening.
     """
 
     opening: float | None = None
     anchor: Anchor | None = None
+    force: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +62,7 @@ class Loaded:
     slope : (n, d) or None
         Derivatives of the mean opening, where it is loaded: the spring adds its square over `compliance`.
     compliance : float
+        Infinite where a force does not change.
     pull : float
         Multiple of the identity that the anchors add.
     """
@@ -82,7 +86,9 @@ def total_energy(energy: Energy, points: Float[np.ndarray, "n d"], loading: Load
     total = energy.value(points)
     if loading.anchor is not None:
         total += _spring(energy, loading.anchor) * 0.5 * float(((points - loading.anchor.points) ** 2).sum())
-    if loading.opening is not None:
+    if loading.force is not None:
+        total -= loading.force * mean_opening(energy, points)
+    elif loading.opening is not None:
         total += 0.5 * STIFFNESS * (mean_opening(energy, points) - loading.opening) ** 2
     return total
 
@@ -96,7 +102,7 @@ def loaded(energy: Energy, points: Float[np.ndarray, "n d"], loading: Loading, c
         spring, off = _spring(energy, loading.anchor), points - loading.anchor.points
         total += 0.5 * spring * float((off**2).sum())
         gradient, pull = gradient + spring / unit * off, spring * length / unit
-    if loading.opening is None:
+    if loading.opening is None and loading.force is None:
         return Loaded(total, found.value, gradient, found.bends, pull=pull)
     vectors = energy.gathering.vectors(points)
     angles, (first, second) = smooth_angles(vectors[1][0], vectors[1][1], energy.hinges.angles(vectors[1]))
@@ -104,13 +110,16 @@ def loaded(energy: Energy, points: Float[np.ndarray, "n d"], loading: Loading, c
     parts = [np.zeros_like(part) for part in vectors]
     parts[1] = first / count
     slope = energy.gathering.forces(parts)
-    load = STIFFNESS * (float(angles.mean()) - loading.opening)
+    mean = float(angles.mean())
+    if loading.force is not None:
+        load, compliance = -loading.force, np.inf
+        total += load * mean
+    else:
+        load, compliance = STIFFNESS * (mean - (loading.opening or 0.0)), unit * length / STIFFNESS
+        total += 0.5 * load**2 / STIFFNESS
     bends = list(found.bends)
     bends[1] = {pair: block + load / count * second[pair] for pair, block in bends[1].items()}
-    total += 0.5 * load**2 / STIFFNESS
-    return Loaded(
-        total, found.value, gradient + load / unit * slope, bends, length * slope, unit * length / STIFFNESS, pull
-    )
+    return Loaded(total, found.value, gradient + load / unit * slope, bends, length * slope, compliance, pull)
 
 
 def _spring(energy: Energy, anchor: Anchor) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from kirisurf.arrays import frozen
 from kirisurf.deployment.energy import Energy
@@ -108,14 +108,13 @@ def measured_path(
     tiles = np.array([energy.tile_strains(p) for p in points]).reshape(-1, energy.n_tiles)
     holding = [np.linalg.norm(energy.gradient(p), axis=1).max() / energy.unit_force for p in points]
     moves = np.abs(np.diff(points, axis=0)).max(axis=(1, 2), initial=0.0) / energy.length
-    guided = [guide.at(f) for f in fractions[: len(points)]]
-    expected = np.abs(np.diff(guided, axis=0)).max(axis=(1, 2), initial=0.0) / energy.length if len(points) > 1 else 0.0
+    far = _is_far(energy, guide, fractions[: len(points)], moves)
     if interrupted or len(points) < len(fractions):
         status = PathStatus.INTERRUPTED
     elif not all(state.is_converged for state in states):
         status = PathStatus.UNBALANCED
     else:
-        status = PathStatus.JUMPED if (moves > expected + FAR).any() else PathStatus.COMPLETE
+        status = PathStatus.JUMPED if far.any() else PathStatus.COMPLETE
     return Path(
         torsion=energy.torsion,
         drive=drive,
@@ -133,3 +132,15 @@ def measured_path(
         moves=frozen(np.r_[np.zeros(min(1, len(points))), moves]),
         status=status,
     )
+
+
+def jumps(energy: Energy, guide: Guide, path: Path) -> Int[np.ndarray, " _"]:
+    """Return the numbers of the states behind which the sheet snaps: no smooth way leads to the next one."""
+    return np.flatnonzero(_is_far(energy, guide, path.fractions, path.moves[1:]))
+
+
+def _is_far(energy: Energy, guide: Guide, fractions: np.ndarray, moves: np.ndarray) -> Bool[np.ndarray, " _"]:
+    """Return whether a sheet moves further from one state to the next than its guide and `FAR` more."""
+    guided = np.array([guide.at(fraction) for fraction in fractions]).reshape(-1, *guide.flat.shape)
+    expected = np.abs(np.diff(guided, axis=0)).max(axis=(1, 2), initial=0.0) / energy.length
+    return np.asarray(moves > expected + FAR)

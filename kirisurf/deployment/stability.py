@@ -2,65 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
 from scipy.optimize import brentq
 
+from kirisurf.deployment.branch import Branch
 from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Equilibrium, Minimizer
-from kirisurf.deployment.guide import Guide, nearest_place
+from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.loading import STIFFNESS, Loading, mean_opening
+from kirisurf.deployment.minimum import Minimum, distance, is_same, minimum_of, rest_from
+from kirisurf.deployment.passes import find_passes
 from kirisurf.deployment.path import STRAINLESS, Path, ShouldStop
 
 RELEASES = 4
 """States, evenly along a path, from which a sheet is let go besides both ends and the path's own minima."""
 
-SAME_OPENING, SAME_PLACE = 0.01, 0.05
-"""Two states are one if mean openings (radians) and vertices (root mean square, tile edges) agree so far."""
-
-FLAT = 0.02
-"""Mean opening in radians below which a sheet is flat: in space its last way home is soft, and not gone to the end."""
-
-NEARLY_NONE = 1e-4
-"""Energy, over the highest of the path, below which a sheet whose slits are springs is on its way to the flat state."""
-
 SLIGHT = 1e-6
 """Height, over the highest energy of the path, up to which there is nothing between two minima."""
 
-RELAX_STEPS = 300
 LEADS = 0.99
 """Part of the shape's opening from which on a path leads to the shape."""
 
 NEARBY = 0.25
 """Distance in tile edges up to which a path comes near a state, beside half of its own step there."""
-
-
-@dataclass(frozen=True, eq=False)
-class Minimum:
-    """A state in which a sheet rests by itself.
-
-    Attributes
-    ----------
-    points : (n, d)
-    energy : float
-    opening : float, radians
-        Mean opening.
-    fraction : float
-        The same over that of the deployed sheet.
-    largest_strain : float
-    is_flat : bool
-    """
-
-    points: Float[np.ndarray, "n d"]
-    energy: float
-    opening: float
-    fraction: float
-    largest_strain: float
-    is_flat: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,61 +56,83 @@ class Barrier:
     is_saddle: bool
 
 
-def find_minima(energy: Energy, guide: Guide, path: Path, should_stop: ShouldStop | None = None) -> tuple[Minimum, ...]:
+def find_minima(
+    energy: Energy,
+    guide: Guide,
+    path: Path,
+    should_stop: ShouldStop | None = None,
+    branches: Sequence[Branch] = (),
+) -> tuple[Minimum, ...]:
     """Return the stable states that a sheet falls into when it is let go along a path, by growing opening.
 
     Where nothing costs energy along a path that leads to the shape, and slits have no springs, both ends are returned.
+    Those that lie on branches at the path's jumps are among them.
     """
     minimizer = Minimizer(energy, pins=Pins.of(guide.deployed), toward=guide.deployed - guide.flat)
     values = path.energies
     leads = mean_opening(energy, path.points[-1]) >= LEADS * mean_opening(energy, guide.deployed)
     if energy.torsion == 0 and values.max() <= STRAINLESS and leads:
         # it rests wherever it is left
-        return tuple(_minimum(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False)))
+        return tuple(
+            minimum_of(energy, guide, end, flat) for end, flat in ((guide.flat, True), (guide.deployed, False))
+        )
     inner = 1 + np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:]))
     evenly = np.linspace(0, len(values) - 1, RELEASES + 2).round().astype(int)
-    low = NEARLY_NONE * max(values.max(), STRAINLESS)
-    # with less energy its mean opening is less: the mean of squares is no less than the square of the mean
-    enough = min(low, energy.torsion * FLAT**2) if energy.torsion > 0 else -np.inf
+    known = [state.points for branch in branches for state in branch.stationary if state.n_negative == 0]
+    highest = float(values.max())
     found: list[Minimum] = []
-    for start in (guide.flat, *path.points[np.unique(np.r_[inner, evenly])], guide.deployed):
+    for start in (guide.flat, *path.points[np.unique(np.r_[inner, evenly])], guide.deployed, *known):
         if should_stop is not None and should_stop():
             break
-        rest = minimizer.solve(start, max_steps=RELAX_STEPS, enough=enough)
-        flat = bool(rest.energy <= low and mean_opening(energy, rest.points) < FLAT)
-        if not flat and not (rest.is_converged and rest.is_stable):
-            continue
-        new = _minimum(energy, guide, guide.flat if flat else rest.points, flat)
-        if not any(_is_same(new, old, energy.length) for old in found):
+        new = rest_from(minimizer, guide, start, highest)
+        if new is not None and not any(is_same(new, old, energy.length) for old in found):
             found.append(new)
     return _apart(energy, path, sorted(found, key=lambda minimum: minimum.opening))
 
 
-def find_barriers(energy: Energy, guide: Guide, path: Path, minima: tuple[Minimum, ...]) -> tuple[Barrier, ...]:
+def find_barriers(
+    energy: Energy,
+    guide: Guide,
+    path: Path,
+    minima: tuple[Minimum, ...],
+    branches: Sequence[Branch] = (),
+    should_stop: ShouldStop | None = None,
+) -> tuple[Barrier, ...]:
     """Return the barriers between neighboring minima: the highest point of the path between them.
 
     On the free path of a planar sheet it is then moved to where the load on the opening vanishes, which is a saddle.
-    Where nothing costs energy along the path there are none, and none are known where it does not come near both.
+    Where the path jumps, the lowest saddle on its branches takes its place from which the sheet, let go on both sides,
+    comes to rest in the two minima. Where nothing costs energy along the path there are none, and none are known where
+    it does not come near both and no branch has such a saddle.
     """
     if path.energies.max(initial=0.0) <= STRAINLESS:
         return ()
     last = mean_opening(energy, guide.deployed)
     openings = np.array([mean_opening(energy, points) for points in path.points])
-    least = SLIGHT * float(path.energies.max())
+    highest = float(path.energies.max())
+    # before it jumps, the sheet comes to the fold, which is higher than the states next to it
+    limit = max([highest, *(state.energy for branch in branches for state in branch.states[: branch.first_turn])])
+    passes = find_passes(energy, guide, branches, minima, limit, should_stop)
     barriers = []
-    for closed, opened in pairwise(minima):
+    for number, (closed, opened) in enumerate(pairwise(minima)):
         floor = max(closed.energy, opened.energy)
+        points, height, is_saddle = guide.flat, np.inf, False
         top = _top(energy, path, openings, closed, opened)
-        if top is None or path.energies[top] <= floor + least:
-            continue
-        points, height, is_saddle = path.points[top], float(path.energies[top]), False
-        if path.drive == "free" and energy.dimension == 2 and 0 < top < len(openings) - 1:
-            refined = _saddle(energy, guide, path, openings, top)
-            # on the other side of a jump there may be another saddle, which does not part these two
-            if refined is not None and refined.energy > floor:
-                points, height, is_saddle = refined.points, refined.energy, True
-        at = mean_opening(energy, points) / last
-        barriers.append(Barrier(height, at, height - opened.energy, height - closed.energy, is_saddle))
+        if top is not None and path.energies[top] > floor + SLIGHT * highest:
+            points, height = path.points[top], float(path.energies[top])
+            if path.drive == "free" and energy.dimension == 2 and 0 < top < len(openings) - 1:
+                refined = _saddle(energy, guide, path, openings, top)
+                # on the other side of a jump there may be another saddle, which does not part these two
+                if refined is not None and refined.energy > floor:
+                    points, height, is_saddle = refined.points, refined.energy, True
+        bound = height if is_saddle else limit
+        lower = [state for state in passes.get(number, ()) if floor < state.energy <= bound]
+        if lower:
+            best = min(lower, key=lambda state: state.energy)
+            points, height, is_saddle = best.points, best.energy, True
+        if height < np.inf:
+            at = mean_opening(energy, points) / last
+            barriers.append(Barrier(height, at, height - opened.energy, height - closed.energy, is_saddle))
     return tuple(barriers)
 
 
@@ -168,30 +159,10 @@ def _top(energy: Energy, path: Path, openings: np.ndarray, closed: Minimum, open
     """The highest state of a path between two minima; None where it does not come near both."""
     for minimum in (closed, opened):
         nearest = int(np.abs(openings - minimum.opening).argmin())
-        if _distance(minimum.points, path.points[nearest], energy.length) > NEARBY + 0.5 * path.moves[nearest]:
+        if distance(minimum.points, path.points[nearest], energy.length) > NEARBY + 0.5 * path.moves[nearest]:
             return None
     between = np.flatnonzero((openings > closed.opening) & (openings < opened.opening))
     return int(between[path.energies[between].argmax()]) if len(between) else None
-
-
-def _distance(points: np.ndarray, others: np.ndarray, length: float) -> float:
-    """Root mean square distance of two sheets, one upon the other, in tile edges."""
-    return float(np.sqrt(((nearest_place(points, others) - others) ** 2).sum(axis=1).mean()) / length)
-
-
-def _minimum(energy: Energy, guide: Guide, points: np.ndarray, flat: bool) -> Minimum:
-    opening = mean_opening(energy, points)
-    strain = float(np.abs(energy.strains(points)).max())
-    fraction = opening / mean_opening(energy, guide.deployed)
-    return Minimum(points, energy.value(points), opening, fraction, strain, bool(flat or opening < FLAT))
-
-
-def _is_same(one: Minimum, other: Minimum, length: float) -> bool:
-    if one.is_flat and other.is_flat:
-        return True
-    if abs(one.opening - other.opening) >= SAME_OPENING:
-        return False
-    return _distance(one.points, other.points, length) < SAME_PLACE
 
 
 def _saddle(energy: Energy, guide: Guide, path: Path, openings: np.ndarray, top: int) -> Equilibrium | None:

@@ -9,8 +9,8 @@ from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Minimizer
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.loading import mean_opening
+from kirisurf.deployment.minimum import RELAX_STEPS
 from kirisurf.deployment.path import ShouldStop
-from kirisurf.deployment.stability import RELAX_STEPS
 
 LEAST_TORSION, GROWTH = 1e-8, 4.0
 """Smallest lambda at which an open state is sought, whose forces are a hundred times the tolerance; and the factor by

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
+from kirisurf.deployment.branch import Branch
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.kinematics import is_rigid, most_strained
 from kirisurf.deployment.loading import mean_opening
+from kirisurf.deployment.minimum import Minimum
 from kirisurf.deployment.path import STRAINLESS, Path, PathStatus, ShouldStop
-from kirisurf.deployment.stability import Barrier, Minimum, find_barriers, find_minima
+from kirisurf.deployment.stability import Barrier, find_barriers, find_minima
 
 ADMISSIBLE = 0.25
 """Largest strain of a rod on the way, above which a sheet is said to need strain, whatever it does afterwards."""
@@ -86,6 +89,7 @@ def judge(
     mechanisms: int,
     admissible: float = ADMISSIBLE,
     should_stop: ShouldStop | None = None,
+    branches: Sequence[Branch] = (),
 ) -> Verdict:
     """Return the verdict on a path.
 
@@ -103,6 +107,8 @@ def judge(
         Strain up to which tiles may be strained on the way.
     should_stop : callable, optional
         True ends the search for states in which the sheet rests.
+    branches : sequence of Branch
+        At the jumps of the path.
     """
     strain, tiles = most_strained(path)
     rigid = is_rigid(still) and still.status is PathStatus.COMPLETE
@@ -111,11 +117,11 @@ def judge(
         return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, mechanisms, rigid)
     # without torsion a sheet of rigid tiles rests wherever it is left, whatever a drive does to it
     along = still if energy.torsion == 0 and rigid else path
-    minima = find_minima(energy, guide, along, should_stop)
+    minima = find_minima(energy, guide, along, should_stop, branches)
     if should_stop is not None and should_stop():
         sentence = "Was followed to the end, and stopped while states of rest were sought."
         return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, mechanisms, rigid)
-    barriers = find_barriers(energy, guide, along, minima)
+    barriers = find_barriers(energy, guide, along, minima, branches, should_stop)
     kind = _kind(energy, minima, strain, admissible, rigid)
     held = _held(energy, guide, path)
     sentence = _sentence(kind, path, still, minima, barriers, strain, tiles, mechanisms, rigid, admissible, held)

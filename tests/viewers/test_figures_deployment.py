@@ -70,6 +70,19 @@ def test_every_curve_and_mark_is_drawn(moving: MovingSheet) -> None:
     assert covered([one, marked], second) > covered([one, two], second) + 30
 
 
+def test_equilibria_past_jumps_are_a_thin_line_of_the_color_of_their_curve(moving: MovingSheet) -> None:
+    def ink(branches: tuple[tuple[np.ndarray, np.ndarray], ...]) -> int:
+        found = replace(curve(1.0), branches=branches)
+        picture = np.asarray(opened(deployment_figure([found], moving, [0, 10, 20], "sheet")).convert("RGB"), int)
+        wanted = [int(theme.SERIES[0][k : k + 2], 16) for k in (1, 3, 5)]
+        return int((np.abs(picture[420:] - wanted).max(axis=2) < 90).sum())
+
+    places = np.linspace(0.3, 0.7, 9)
+    plain, one = ink(()), ink(((places, 0.7 + 0.1 * places),))
+    two = ink(((places, 0.7 + 0.1 * places), (places, 0.9 - 0.1 * places)))
+    assert plain + 200 < one < two - 200
+
+
 def test_what_was_not_followed_is_dotted(moving: MovingSheet) -> None:
     """A jump takes ink from the curve, and only one that is said; a curve broken everywhere leaves dots alone."""
 
