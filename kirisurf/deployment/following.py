@@ -35,6 +35,9 @@ RETURN = 0.3
 WEAK, NEAR = 1e-9, 1e-6
 """Stiffness of the springs that keep a foreseen state from drifting, and the residual up to which they act."""
 
+NEAR_STEPS = 1
+"""Newton steps with these springs: one brings a sheet near a state without strain, and what follows finds it."""
+
 SUPPORT = 100.0
 """Stiffness of the supports of a sheet in space, over lambda."""
 
@@ -156,7 +159,7 @@ def _rigid_state(
     start, steps = _expected(guide, before, fraction, points), 0
     foreseen = min((start + guess for guess in _extrapolated(off)), key=minimizer.energy.value, default=start)
     if minimizer.energy.value(foreseen) < minimizer.energy.value(start):
-        near = minimizer.with_tolerance(NEAR).solve(foreseen, Loading(anchor=Anchor(start, WEAK)), max_steps=3)
+        near = minimizer.with_tolerance(NEAR).solve(foreseen, Loading(anchor=Anchor(start, WEAK)), max_steps=NEAR_STEPS)
         start, steps = near.points, near.steps
     state = minimizer.solve(start, max_steps=RIGID_STEPS)
     state = replace(state, steps=state.steps + steps)
