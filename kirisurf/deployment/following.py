@@ -4,36 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from kirisurf.deployment.course import DEGREE, RIGID_TOLERANCE, STATE_STEPS, Course, extrapolated
 from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Equilibrium, Minimizer
 from kirisurf.deployment.guide import Guide
-from kirisurf.deployment.loading import Anchor, Loading, mean_opening, total_energy
+from kirisurf.deployment.loading import Anchor, Loading, mean_opening
 from kirisurf.deployment.path import STRAINLESS, Path, Progress, ShouldStop, measured_path
 
-RIGID_TOLERANCE = 1e-13
-"""Residual at which a state of a sheet without torsion is taken: its strains are then 1e-12 at most."""
-
-STATE_STEPS = 200
 RIGID_STEPS = 14
-"""Newton steps at most for a state."""
+"""Newton steps at most for a state without strain."""
 
 HALVED = 3
 """How often the way to a state is halved where the state is not found at once."""
-
-DEGREE = 4
-"""Highest degree of the polynomials by which the next state is foreseen."""
 
 RETURN = 0.3
 """Part of its distance to the guide that a sheet in space gives up at every state."""
 
 WEAK, NEAR = 1e-9, 1e-6
 """Stiffness of the springs that keep a foreseen state from drifting, and the residual up to which they act."""
+
+NEAR_STEPS = 2
+"""Newton steps with these springs: two bring a sheet near a state without strain, and what follows finds it."""
 
 SUPPORT = 100.0
 """Stiffness of the supports of a sheet in space, over lambda."""
@@ -70,7 +66,8 @@ def follow_held(
         Name for the path.
     """
     minimizer = Minimizer(energy, held=held, toward=guide.deployed - guide.flat)
-    return _follow(minimizer, guide, fractions, places, None, should_stop, progress, drive, held, energy.dimension == 3)
+    course = Course(minimizer, guide, drive, fractions, places, held=held, from_end=energy.dimension == 3)
+    return course.followed(should_stop, progress)
 
 
 def follow_free_planar(
@@ -88,7 +85,8 @@ def follow_free_planar(
     minimizer = Minimizer(energy, pins=Pins.of(guide.deployed), toward=guide.deployed - guide.flat)
     first, last = (mean_opening(energy, end) for end in (guide.flat, guide.deployed))
     loadings = [Loading(opening=first + fraction * (last - first)) for fraction in fractions]
-    return _follow(minimizer, guide, fractions, guide.places(fractions), loadings, should_stop, progress, "free")
+    course = Course(minimizer, guide, "free", fractions, guide.places(fractions), loadings)
+    return course.followed(should_stop, progress)
 
 
 def follow_rigid(
@@ -154,9 +152,9 @@ def _rigid_state(
     that strain nothing: springs to the expected points, weak enough to strain nothing either, keep them.
     """
     start, steps = _expected(guide, before, fraction, points), 0
-    foreseen = min((start + guess for guess in _extrapolated(off)), key=minimizer.energy.value, default=start)
+    foreseen = min((start + guess for guess in extrapolated(off)), key=minimizer.energy.value, default=start)
     if minimizer.energy.value(foreseen) < minimizer.energy.value(start):
-        near = minimizer.with_tolerance(NEAR).solve(foreseen, Loading(anchor=Anchor(start, WEAK)), max_steps=3)
+        near = minimizer.with_tolerance(NEAR).solve(foreseen, Loading(anchor=Anchor(start, WEAK)), max_steps=NEAR_STEPS)
         start, steps = near.points, near.steps
     state = minimizer.solve(start, max_steps=RIGID_STEPS)
     state = replace(state, steps=state.steps + steps)
@@ -187,57 +185,5 @@ def follow_supported(
     minimizer = Minimizer(energy, toward=guide.deployed - guide.flat)
     stiffness = max(SUPPORT * energy.torsion, LEAST_SUPPORT)
     loadings = [Loading(anchor=Anchor(points, stiffness)) for points in rigid.points]
-    return _follow(minimizer, guide, rigid.fractions, rigid.points, loadings, should_stop, progress, "free")
-
-
-def _follow(
-    minimizer: Minimizer,
-    guide: Guide,
-    fractions: Float[np.ndarray, " k"],
-    places: Float[np.ndarray, "k n d"],
-    loadings: Sequence[Loading] | None,
-    should_stop: ShouldStop | None,
-    progress: Progress | None,
-    drive: str,
-    held: Bool[np.ndarray, " n"] | None = None,
-    from_end: bool = False,
-) -> Path:
-    """Solve state after state, each from its place and what the ones before are off theirs, extrapolated."""
-    energy, count = minimizer.energy, len(fractions)
-    exact = minimizer.with_tolerance(RIGID_TOLERANCE)
-    states: list[Equilibrium] = []
-    off = [np.zeros_like(guide.flat)]
-    for k in range(count)[::-1] if from_end else range(count):
-        if should_stop is not None and should_stop():
-            break
-        load = Loading() if loadings is None else loadings[k]
-        guesses = [places[k] + guess for guess in _extrapolated(off)]
-        for guess in guesses if held is not None else ():
-            guess[held] = places[k][held]
-        guesses.sort(key=lambda guess: total_energy(energy, guess, load))
-        tried: list[Equilibrium] = []
-        for guess in (*guesses[:2], places[k]):
-            tried.append(minimizer.solve(guess, load, max_steps=STATE_STEPS, near=places[k]))
-            if tried[-1].is_converged:
-                break
-        state = tried[-1] if tried[-1].is_converged else min(tried, key=lambda one: one.residual)
-        if state.energy <= STRAINLESS and held is None and loadings is not None and energy.torsion == 0:
-            finer = exact.solve(state.points, load, max_steps=5, near=places[k])
-            state = replace(finer, steps=state.steps + finer.steps, is_converged=state.is_converged)
-        states.append(state)
-        # what is no equilibrium says nothing of what comes
-        off = [*off[-DEGREE:], state.points - places[k]] if state.is_converged else [np.zeros_like(guide.flat)]
-        if progress is not None:
-            progress(len(states), count)
-    found = fractions[count - len(states) :] if from_end else fractions[: len(states)]
-    states = states[::-1] if from_end else states
-    return measured_path(energy, guide, drive, found, states, interrupted=len(states) < count)
-
-
-def _extrapolated(values: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return what may come after values at even distances, by polynomials of degree 0 and more through the last."""
-    guesses, differences = [values[-1]] if values else [], list(values)
-    while len(differences) > 1:
-        differences = [after - before for before, after in pairwise(differences)]
-        guesses.append(guesses[-1] + differences[-1])
-    return guesses
+    course = Course(minimizer, guide, "free", rigid.fractions, rigid.points, loadings)
+    return course.followed(should_stop, progress)

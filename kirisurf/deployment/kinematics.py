@@ -7,15 +7,15 @@ from jaxtyping import Float
 
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.factor import Factors
-from kirisurf.deployment.path import Path
+from kirisurf.deployment.path import STRAINLESS, Path
 from kirisurf.errors import UnusableError
 
 INDEPENDENT = 1e-5
 """Singular value of the rigidity matrix, whose rows are strains per displacement in tile edges, below which it is 0."""
 
-RIGID = 1e-5
-"""Largest strain of rigid tiles: next to the flat sheet, where the last digits come slowly, a state is taken at a root
-mean square of 1e-6, and one spring may have more."""
+RIGID = 10 * float(np.sqrt(STRAINLESS))
+"""Largest strain of rigid tiles, 1e-5: next to the flat sheet, where the last digits come slowly, a state is taken at a
+root mean square of 1e-6, and one spring may have more."""
 
 
 def n_mechanisms(energy: Energy, points: Float[np.ndarray, "n d"], tolerance: float = INDEPENDENT) -> int:
