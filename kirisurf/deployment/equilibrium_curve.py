@@ -8,19 +8,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import brentq
 
+from kirisurf.deployment.descent import REUSED
 from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.equilibrium import (
-    FIRST_SHIFT,
-    INVERSE_STEPS,
-    LEAST_SHIFT,
-    MOST_SHIFT,
-    REUSED,
-    STILL,
-    TOLERANCE,
-)
+from kirisurf.deployment.equilibrium import INVERSE_STEPS, STILL, TOLERANCE
 from kirisurf.deployment.factor import Factor, Factors
 from kirisurf.deployment.loading import Loaded, Loading, loaded, mean_opening
+from kirisurf.deployment.newton import FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT
 from kirisurf.errors import UnusableError
 
 CORRECTIONS = 12
