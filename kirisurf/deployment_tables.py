@@ -172,8 +172,8 @@ def _minimum(minimum: Minimum) -> dict[str, Any]:
 
 
 def _barrier(barrier: Barrier) -> dict[str, Any]:
-    heights = {"to_open": barrier.opening, "to_close": barrier.closing}
-    return {"fraction": barrier.fraction, "energy": barrier.energy, **heights, "is_saddle": barrier.is_saddle}
+    values = {name: getattr(barrier, name) for name in ("below", "fraction", "energy", "is_saddle")}
+    return {**values, "to_open": barrier.opening, "to_close": barrier.closing}
 
 
 def _branch(deployment: Deployment, branch: Branch) -> dict[str, Any]:

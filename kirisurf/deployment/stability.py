@@ -38,6 +38,8 @@ class Barrier:
 
     Attributes
     ----------
+    below : int
+        Number of the more closed of the two, among all minima.
     energy : float
         At the top.
     fraction : float
@@ -49,6 +51,7 @@ class Barrier:
         the height is that along the path, which another way may undercut.
     """
 
+    below: int
     energy: float
     fraction: float
     closing: float
@@ -132,7 +135,7 @@ def find_barriers(
             points, height, is_saddle = best.points, best.energy, True
         if height < np.inf:
             at = mean_opening(energy, points) / last
-            barriers.append(Barrier(height, at, height - opened.energy, height - closed.energy, is_saddle))
+            barriers.append(Barrier(number, height, at, height - opened.energy, height - closed.energy, is_saddle))
     return tuple(barriers)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 
 import numpy as np
 
@@ -76,9 +77,9 @@ class Verdict:
 
     @property
     def barrier(self) -> float | None:
-        """Highest barrier on the way from flat to the most open state; None where there is no such state."""
+        """Highest barrier from flat to the most open state; None where there is no such state, or not all are known."""
         heights = [b.energy for b in self.barriers]
-        return max(heights) - self.minima[0].energy if heights else None
+        return max(heights) - self.minima[0].energy if 0 < len(heights) == len(self.minima) - 1 else None
 
 
 def judge(
@@ -201,11 +202,19 @@ def _rests(minima: tuple[Minimum, ...], barriers: tuple[Barrier, ...]) -> str:
         return (
             f"it rests flat and in {len(minima) - 1} more states, open to between {_percent(low.fraction)} and "
             f"{_percent(high.fraction)}, behind barriers of up to {max((b.opening for b in barriers), default=0):.2g}"
+            + ("" if len(barriers) == len(minima) - 1 else ", as far as they are known")
         )
     at = ", ".join("flat" if m.is_flat else f"open to {_percent(m.fraction)}" for m in minima)
-    tops = ", ".join(f"{b.opening:.2g}" for b in barriers)
-    kinds = "a barrier" if len(barriers) == 1 else "barriers"
-    return f"it rests {at}" + (f", behind {kinds} of {tops}" if barriers else "")
+    known = {b.below: f"{b.opening:.2g}" for b in barriers}
+    tops = ", ".join(known.get(k) or _at_least(*pair) for k, pair in enumerate(pairwise(minima)))
+    kinds = "a barrier" if len(minima) == 2 else "barriers"
+    return f"it rests {at}" + (f", behind {kinds} of {tops}" if known else "")
+
+
+def _at_least(closed: Minimum, opened: Minimum) -> str:
+    """What is known of a barrier whose top is not: it is no lower than where it leads."""
+    rise = opened.energy - closed.energy
+    return f"more than {rise:.2g}" if rise > STRAINLESS else "unknown height"
 
 
 def _percent(part: float) -> str:
