@@ -83,7 +83,7 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], numbers: Sequence[int], sho
     axis : str
         Words for the axis of openings; it has no numbers where they are empty.
     """
-    highest = max(float(curve.energies.max()) for curve in curves)
+    highest = max(max([float(curve.energies.max()), *(energy for _, energy in curve.tops)]) for curve in curves)
     top = highest if highest > NOTHING else 1.0
     power = int(np.floor(np.log10(top))) if highest > NOTHING else 0
     for x in shown.tolist():

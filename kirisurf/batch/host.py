@@ -143,11 +143,9 @@ def _judged(spoken: bytes, exit_code: int, said: tuple[str, ...], ended: str, or
     if spoken.endswith(b"\n"):
         answer = Answer.of(spoken)
         # asked to stop inside a library, that may come out as an error of its own
-        if ended and answer.code in (INTERRUPTED, _LIMIT, INTERNAL):
-            return Answer(_LIMIT, f"time limit: expected an end within {order.seconds:g} s, got none", ended)
-        if answer.code == _LIMIT and "memory" in answer.message:
-            return replace(answer, end="memory limit")
-        return answer
+        if not ended or answer.code not in (INTERRUPTED, _LIMIT, INTERNAL):
+            is_memory = answer.code == _LIMIT and "memory" in answer.message
+            return replace(answer, end="memory limit") if is_memory else answer
     if ended == "memory limit" or _is_out_of_memory(said):
         words = f"memory limit: expected at most {order.memory_mb:g} MB, got more asked for"
         return Answer(_LIMIT, words, "memory limit")

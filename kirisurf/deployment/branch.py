@@ -15,7 +15,7 @@ from kirisurf.deployment.equilibrium_curve import Balance, EquilibriumCurve
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.loading import mean_opening
 from kirisurf.deployment.path import Path, PathStatus, ShouldStop, jumps
-from kirisurf.errors import ParameterError
+from kirisurf.errors import ParameterError, UnusableError
 
 FIRST, LONGEST, SHORTEST = 0.02, 0.15, 1e-5
 """Lengths of steps: root mean square displacement in tile edges."""
@@ -210,7 +210,12 @@ def jump_branches(
         if left < 2 or (should_stop is not None and should_stop()):
             break
         goal, count = mean_opening(energy, path.points[beyond]), min(most, left)
-        branch = follow_branch(energy, guide, path.points[begin], begin < beyond, goal, count, should_stop=should_stop)
+        try:
+            branch = follow_branch(
+                energy, guide, path.points[begin], begin < beyond, goal, count, should_stop=should_stop
+            )
+        except UnusableError:  # a state whose stiffness cannot be factored begins no branch
+            continue
         branches.append(branch)
         left -= len(branch.states)
     return tuple(branches)

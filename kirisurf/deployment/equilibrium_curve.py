@@ -124,11 +124,7 @@ class EquilibriumCurve:
             Change of the direction over the length, by which the state is foreseen more exactly.
         """
         reach = length * self._root
-        shift = reach * before.direction
-        if bend is not None:
-            shift = shift + 0.5 * length * reach * (bend - (bend @ before.direction) * before.direction)
-        inside = before.points @ self._axes
-        inside[self._free] += self.energy.length * shift
+        inside = self.foreseen(before, length, bend) @ self._axes
         found = self._corrected(inside, before.force + reach * before.force_slope, before.direction, OFF * abs(reach))
         if found is None:
             return None
@@ -136,6 +132,17 @@ class EquilibriumCurve:
         if there is None or (abs(length) > SHARP and there.direction @ before.direction < TURN):
             return None
         return there
+
+    def foreseen(
+        self, before: Balance, length: float, bend: Float[np.ndarray, " q"] | None = None
+    ) -> Float[np.ndarray, "n d"]:
+        """Return the points from which `after` begins: off by the square of the length, with its bend by the cube."""
+        shift = before.direction
+        if bend is not None:
+            shift = shift + 0.5 * (bend - (bend @ before.direction) * before.direction)
+        inside = before.points @ self._axes
+        inside[self._free] += self.energy.length * length * self._root * shift
+        return inside @ self._axes.T
 
     def stationary(self, before: Balance, after: Balance, length: float) -> Balance | None:
         """Return the state between two, a length of arc apart, whose force is 0: nothing pulls there."""

@@ -70,10 +70,12 @@ def _sides(energy: Energy, guide: Guide, saddle: Balance, minima: Sequence[Minim
     if mode is None:
         return set()
     minimizer = Minimizer(energy, pins=pins, toward=guide.deployed - guide.flat)
-    reached: set[int] = set()
+    reached = set()
     for sign in (-PUSH, PUSH):
         rest = rest_from(minimizer, guide, saddle.points + sign * energy.length * mode, highest)
-        if rest is None:
+        here = [k for k, one in enumerate(minima) if rest is not None and is_same(rest, one, energy.length)]
+        if rest is None or not here:
             return set()
-        reached.update(k for k, minimum in enumerate(minima) if is_same(rest, minimum, energy.length))
+        # those next to each other may both be taken for it: one side leads to one
+        reached.add(min(here, key=lambda k: abs(minima[k].opening - rest.opening)))
     return reached

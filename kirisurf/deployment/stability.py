@@ -17,7 +17,7 @@ from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.loading import STIFFNESS, Loading, mean_opening
 from kirisurf.deployment.minimum import Minimum, distance, is_same, minimum_of, rest_from
 from kirisurf.deployment.passes import find_passes
-from kirisurf.deployment.path import STRAINLESS, Path, ShouldStop
+from kirisurf.deployment.path import STRAINLESS, Path, ShouldStop, jumps
 
 RELEASES = 4
 """States, evenly along a path, from which a sheet is let go besides both ends and the path's own minima."""
@@ -114,7 +114,9 @@ def find_barriers(
     openings = np.array([mean_opening(energy, points) for points in path.points])
     highest = float(path.energies.max())
     # before it jumps, the sheet comes to the fold, which is higher than the states next to it
-    limit = max([highest, *(state.energy for branch in branches for state in branch.states[: branch.first_turn])])
+    folding = [branch for branch in branches if branch.folds]
+    limit = max([highest, *(state.energy for branch in folding for state in branch.states[: branch.first_turn])])
+    leaps = jumps(energy, guide, path)
     passes = find_passes(energy, guide, branches, minima, limit, should_stop)
     barriers = []
     for number, (closed, opened) in enumerate(pairwise(minima)):
@@ -128,7 +130,9 @@ def find_barriers(
                 # on the other side of a jump there may be another saddle, which does not part these two
                 if refined is not None and refined.energy > floor:
                     points, height, is_saddle = refined.points, refined.energy, True
-        bound = height if is_saddle else limit
+        inside = [row for row in leaps if openings[row + 1] > closed.opening and openings[row] < opened.opening]
+        # the path itself bounds what it is smooth over
+        bound = limit if inside and not is_saddle else min(height, limit)
         lower = [state for state in passes.get(number, ()) if floor < state.energy <= bound]
         if lower:
             best = min(lower, key=lambda state: state.energy)

@@ -24,6 +24,7 @@ ADMISSIBLE = 0.25
 AT_SHAPE = 0.995
 """Part of its opening from which on the end of a path is the shape."""
 
+_UNKNOWN = "unknown height"
 MOST_NAMED = 5
 """Most states of rest that a sentence names one by one."""
 
@@ -120,13 +121,19 @@ def judge(
     along = still if energy.torsion == 0 and rigid else path
     minima = find_minima(energy, guide, along, should_stop, branches)
     if should_stop is not None and should_stop():
-        sentence = "Was followed to the end, and stopped while states of rest were sought."
-        return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, mechanisms, rigid)
+        return _cut_short(energy, "states of rest", strain, tiles, mechanisms, rigid)
     barriers = find_barriers(energy, guide, along, minima, branches, should_stop)
+    if should_stop is not None and should_stop():
+        return _cut_short(energy, "barriers", strain, tiles, mechanisms, rigid)
     kind = _kind(energy, minima, strain, admissible, rigid)
     held = _held(energy, guide, path)
     sentence = _sentence(kind, path, still, minima, barriers, strain, tiles, mechanisms, rigid, admissible, held)
     return Verdict(kind, sentence, energy.torsion, minima, barriers, strain, tiles, mechanisms, rigid)
+
+
+def _cut_short(energy: Energy, sought: str, strain: float, tiles: tuple[int, ...], n: int, rigid: bool) -> Verdict:
+    sentence = f"Was followed to the end, and stopped while {sought} were sought."
+    return Verdict(Kind.UNKNOWN, sentence, energy.torsion, (), (), strain, tiles, n, rigid)
 
 
 def _kind(energy: Energy, minima: tuple[Minimum, ...], strain: float, admissible: float, rigid: bool) -> Kind:
@@ -199,22 +206,25 @@ def _held(energy: Energy, guide: Guide, path: Path) -> str:
 def _rests(minima: tuple[Minimum, ...], barriers: tuple[Barrier, ...]) -> str:
     if len(minima) > MOST_NAMED:
         low, high = minima[1], minima[-1]
+        most = f"of up to {max(b.opening for b in barriers):.2g}" if barriers else "of unknown height"
+        rest = ", as far as they are known" if 0 < len(barriers) < len(minima) - 1 else ""
         return (
             f"it rests flat and in {len(minima) - 1} more states, open to between {_percent(low.fraction)} and "
-            f"{_percent(high.fraction)}, behind barriers of up to {max((b.opening for b in barriers), default=0):.2g}"
-            + ("" if len(barriers) == len(minima) - 1 else ", as far as they are known")
+            f"{_percent(high.fraction)}, behind barriers {most}{rest}"
         )
     at = ", ".join("flat" if m.is_flat else f"open to {_percent(m.fraction)}" for m in minima)
-    known = {b.below: f"{b.opening:.2g}" for b in barriers}
-    tops = ", ".join(known.get(k) or _at_least(*pair) for k, pair in enumerate(pairwise(minima)))
-    kinds = "a barrier" if len(minima) == 2 else "barriers"
-    return f"it rests {at}" + (f", behind {kinds} of {tops}" if known else "")
+    known = {b.below: f"{'' if b.is_saddle else 'about '}{b.opening:.2g}" for b in barriers}
+    tops = [known.get(k) or _at_least(*pair) for k, pair in enumerate(pairwise(minima))]
+    if all(top == _UNKNOWN for top in tops):
+        return f"it rests {at}"
+    kinds = "a barrier" if len(tops) == 1 else "barriers"
+    return f"it rests {at}, behind {kinds} of {', '.join(tops)}"
 
 
 def _at_least(closed: Minimum, opened: Minimum) -> str:
     """What is known of a barrier whose top is not: it is no lower than where it leads."""
     rise = opened.energy - closed.energy
-    return f"more than {rise:.2g}" if rise > STRAINLESS else "unknown height"
+    return f"more than {rise:.2g}" if rise > STRAINLESS else _UNKNOWN
 
 
 def _percent(part: float) -> str:

@@ -92,14 +92,16 @@ def batch(folder: Path, out: str, *words: str) -> int:
 
 @contextlib.contextmanager
 def killed_once_runs_appear(process: subprocess.Popen[bytes], out: Path) -> Iterator[None]:
-    """Kill a process from another thread as soon as the batch in a folder has recorded a run."""
-    is_over = threading.Event()
+    """Kill a process from another thread as soon as the batch in a folder has recorded a run, and before its end."""
+    is_over, was_amid = threading.Event(), threading.Event()
 
     def wait_and_kill() -> None:
         while not list((out / "outcomes").glob("hypar*.json")):
             if is_over.wait(0.02):
-                break
+                return
         process.kill()
+        if not is_over.is_set():
+            was_amid.set()
 
     thread = threading.Thread(target=wait_and_kill)
     thread.start()
@@ -108,6 +110,7 @@ def killed_once_runs_appear(process: subprocess.Popen[bytes], out: Path) -> Iter
     finally:
         is_over.set()
         thread.join()
+    assert was_amid.is_set(), "the batch was over before the process was killed"
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import kirisurf.cli as cli
+from kirisurf.batch.host import _judged
 from kirisurf.batch.hosting import Host, Stopped
 from kirisurf.batch.order import Answer, Order
 from tests.kirisurf.batch.conftest import order, record
@@ -172,3 +173,21 @@ def _is_alive(process: int) -> bool:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+@pytest.mark.parametrize("code", [70, 6, 130])
+@pytest.mark.parametrize(
+    ("ended", "said", "words"),
+    [
+        ("memory limit", ("std::bad_alloc",), "memory limit: expected at most"),
+        ("time limit", (), "time limit: expected"),
+    ],
+)
+def test_what_ended_a_run_is_told_whatever_it_answered(
+    ended: str, said: tuple[str, ...], words: str, code: int
+) -> None:
+    asked = Order({}, "run", False, 300.0, 500.0)
+    judged = _judged(Answer(code, "from inside a library").line(), 0, said, ended, asked)
+    assert (judged.code, judged.end) == (6, ended) and judged.message.startswith(words)
+    # what came to its end before it could be stopped did so
+    assert _judged(Answer(0, "").line(), 0, said, ended, asked).code == 0

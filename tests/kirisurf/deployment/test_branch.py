@@ -15,7 +15,7 @@ from kirisurf.deployment.branch import Branch, follow_branch, jump_branches
 from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.equilibrium import Minimizer
-from kirisurf.deployment.equilibrium_curve import Balance
+from kirisurf.deployment.equilibrium_curve import Balance, EquilibriumCurve
 from kirisurf.deployment.following import follow_free_planar, follow_held
 from kirisurf.deployment.guide import Guide
 from kirisurf.deployment.loading import STIFFNESS, Loading, loaded, mean_opening, total_energy
@@ -184,6 +184,28 @@ def test_a_shorter_step_finds_the_same_fold_to_second_order(snapping: Way) -> No
         assert -0.25 * bend * steps[-1] ** 2 <= exact - top <= 0.15 * bend * longest**2 + 0.25 * bend * steps[-1] ** 2
 
 
+def test_a_state_is_foreseen_to_second_order_and_with_the_bend_to_third(snapping: Way, onward: Branch) -> None:
+    energy, guide, _ = snapping
+    curve = EquilibriumCurve(energy, Pins.of(guide.deployed), onward.states[0].points)
+
+    def off(before: Balance, bend: np.ndarray, length: float) -> list[float]:
+        there = curve.after(before, length)
+        assert there is not None
+        guesses = curve.foreseen(before, length), curve.foreseen(before, length, length * bend)
+        return [float(np.linalg.norm(there.points - guess)) for guess in guesses]
+
+    orders = []
+    for before, length in zip(onward.states, onward.lengths, strict=False):
+        if length < 0.04:
+            continue  # next to a corner, where a contact begins
+        ahead, behind = curve.after(before, 1e-4), curve.after(before, -1e-4)
+        assert ahead is not None and behind is not None
+        bend = (ahead.direction - behind.direction) / 2e-4
+        orders.append(np.log2(np.array(off(before, bend, 0.02)) / off(before, bend, 0.01)))
+    assert len(orders) > 10
+    assert np.all(np.abs(np.median(orders, axis=0) - (2, 3)) < 0.2), orders
+
+
 def test_the_energy_is_the_work_of_the_load_through_folds(snapping: Way) -> None:
     energy, guide, path = snapping
     (row,) = jumps(energy, guide, path)
@@ -292,6 +314,7 @@ def test_a_moved_rim_has_no_branches() -> None:
     held[sheet.outline[:2]] = True
     fractions = np.linspace(0, 1, 6)
     path = follow_held(energy, guide, held, fractions, guide.places(fractions))
+    assert path.status is PathStatus.JUMPED
     assert jump_branches(energy, guide, path) == ()
 
 

@@ -145,7 +145,7 @@ def test_a_folder_is_waited_for_also_where_its_writer_removes_it(tmp_path: Path)
 
     writer = threading.Thread(target=write_nothing)
     writer.start()
-    entered.wait()
+    assert entered.wait(60)
     with RunFolder(tmp_path / "run", overwrite=True, patience=60.0) as opened:
         writer.join()
         fill(opened, "x")
