@@ -13,7 +13,7 @@ from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
 from kirisurf.deployment.guide import nearest_place
 from kirisurf.deployment.loading import Loading
-from kirisurf.deployment.newton import Problem
+from kirisurf.deployment.newton import Problem, softest
 
 TOLERANCE = 1e-10
 """Largest force on a free vertex at an equilibrium, over that of a rod with strain 1."""
@@ -25,9 +25,6 @@ MAX_STEPS = 200
 MAX_ESCAPES = 4
 PUSH = 0.02
 """How far a sheet is pushed off a saddle, in tile edges."""
-
-INVERSE_STEPS = 30
-"""Steps of inverse iteration that find the softest direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,9 +168,6 @@ class Minimizer:
         if self._toward is not None:
             toward = (self._toward @ axes)[problem.free]
             side = toward / np.linalg.norm(toward) + 0.1 * side / np.linalg.norm(side)
-        mode = side
-        for _ in range(INVERSE_STEPS):
-            mode = operator.solve(mode)
-            mode /= np.linalg.norm(mode)
+        mode = softest(operator, side)
         sign = -1.0 if mode @ side < 0 else 1.0
         return problem.moved(found.points, sign * PUSH / np.abs(mode).max() * mode)

@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 from kirisurf.deployment.descent import REUSED
 from kirisurf.deployment.drive import Pins
 from kirisurf.deployment.energy import Energy
-from kirisurf.deployment.equilibrium import INVERSE_STEPS, STILL, TOLERANCE
+from kirisurf.deployment.equilibrium import STILL, TOLERANCE
 from kirisurf.deployment.factor import Factor, Factors
 from kirisurf.deployment.loading import Loaded, Loading, loaded, mean_opening
-from kirisurf.deployment.newton import FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT
+from kirisurf.deployment.newton import FIRST_SHIFT, LEAST_SHIFT, MOST_SHIFT, softest
 from kirisurf.errors import UnusableError
 
 CORRECTIONS = 12
@@ -175,10 +175,7 @@ class EquilibriumCurve:
             if shift > MOST_SHIFT:
                 return None
             factor = self._factored(here, shift)
-        mode = np.random.default_rng(0).standard_normal(int(self._free.sum()))
-        for _ in range(INVERSE_STEPS):
-            mode = factor.solve(mode)
-            mode /= np.linalg.norm(mode)
+        mode = softest(factor, np.random.default_rng(0).standard_normal(int(self._free.sum())))
         field = np.zeros(state.points.shape)
         field[self._free] = mode / np.abs(mode).max()
         return field @ self._axes.T

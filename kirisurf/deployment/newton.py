@@ -19,6 +19,9 @@ FIRST_SHIFT, MOST_SHIFT = 1e-4, 1e6
 RAISED = 4.0
 """Factor by which a shift grows."""
 
+INVERSE_STEPS = 30
+"""Steps of inverse iteration that find the softest direction."""
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -127,3 +130,12 @@ class Problem:
                 return operator, shift
             shift = max(RAISED * shift, FIRST_SHIFT)
         return None, shift
+
+
+def softest(operator: Factor | Operator, side: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
+    """Return the direction of least stiffness, of length 1, by inverse iteration from a start that is not 0."""
+    mode = side
+    for _ in range(INVERSE_STEPS):
+        mode = operator.solve(mode)
+        mode /= np.linalg.norm(mode)
+    return mode
